@@ -4,7 +4,7 @@ Run `python benchmarks/bench_experiments.py [PART …] [--trials N]`; the parts:
 
 - `robustness`: the default effort trajectory controller under loads of 0 to 3 kg,
   friction of 0.25 to 0.75 Nm and delays of 0 to 3 cycles, 500 trials of 2 s; the
-  worst trial is played again from its hash. docs/experiments.md has this table.
+  worst trial is played again from its hash. docs/experiments.md has the RMS error.
 - `efficiency`: trials per second on two processes over one, in runs that take turns.
 - `cluster`: trials per second on four Dask workers over those on two processes, all of
   the same low priority, with what docs/experiments.md tells Dask for few cores; about a

@@ -33,9 +33,12 @@ from station.core.franka import (
 )
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.franka_kinematics import CHAIN
-from station.hw.franka.simulated.arm_parts import new_cartesian_step, new_joint_memory
+from station.hw.franka.simulated.arm_parts import new_joint_memory
+from station.hw.franka.simulated.cartesian_step import (
+    CartesianStep,
+    InverseKinematics,
+)
 from station.hw.franka.simulated.desired_motion import DesiredMotion
-from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
 from station.hw.franka.simulated.motion_check import MotionCheck
 from station.memory.doubles import put, zeros
 
@@ -108,7 +111,7 @@ def _of_hand(controller: CartesianJogController) -> Iterator[Row]:
     state = controller.handle.get_robot_state().copy()
     memory, limits = new_joint_memory(state), PANDA_LIMITS
     check = MotionCheck(memory, limits, PERIOD)
-    hand = new_cartesian_step(state, memory, check, PERIOD)
+    hand = CartesianStep(memory, check, state.doubles, CHAIN, PERIOD)
     follow = DesiredMotion(
         memory,
         lower=limits.lower,
@@ -116,8 +119,8 @@ def _of_hand(controller: CartesianJogController) -> Iterator[Row]:
         deceleration=limits.acceleration,
         period=PERIOD,
     ).follow_positions
-    q_d, tool = state.doubles("q_d"), state.doubles("F_T_EE")
-    kinematics = InverseKinematics(CHAIN, q_d, tool, zeros(16), zeros(7))
+    q_d, tool, target = state.doubles("q_d"), state.doubles("F_T_EE"), zeros(16)
+    kinematics = InverseKinematics(CHAIN, q_d, tool, target, zeros(7))
     state.O_T_EE_c = generator.pose
     put(state.doubles("elbow_c")[:1], state.q_d[2:3])
     hand.size = 16
@@ -135,7 +138,7 @@ def _of_hand(controller: CartesianJogController) -> Iterator[Row]:
         looked = perf_counter()
         if not passes and not lookahead.allows(generator):
             raise RuntimeError(f"the hand meets an obstacle: {lookahead.obstacle}")
-        hand.command[:] = kinematics.target[:] = generator.pose
+        hand.command[:] = target[:] = generator.pose
         asked = perf_counter()
         kinematics.advance(q_d[2])
         known = perf_counter()

@@ -88,6 +88,16 @@ def whole(row: Row, *keys: str) -> str:
     return ", ".join(f"{float(row[key]):.0f}" for key in keys)
 
 
+def ends(labels: Sequence[tuple[object, object]]) -> list[tuple[object, object]]:
+    """Return the first and the last label of each robot."""
+    by_robot: dict[object, list[tuple[object, object]]] = {}
+    for label in labels:
+        by_robot.setdefault(label[0], []).append(label)
+    return [
+        label for own in by_robot.values() for label in dict.fromkeys((own[0], own[-1]))
+    ]
+
+
 def write_cycles(runs: int) -> None:
     """Measure cycles of all robots and write their tables."""
     rows = medians([run("cycle") for _ in range(runs)])
@@ -104,7 +114,7 @@ def write_cycles(runs: int) -> None:
         return [name, *cells]
 
     panda = [line(*label) for label in labels if label[0] == PANDA]
-    others = [[label[0], *line(*label)] for label in labels if label[0] != PANDA]
+    others = [[label[0], *line(*label)] for label in ends(labels) if label[0] != PANDA]
     write(PAGE, "machine", machine(rows))
     write(PAGE, "cycles", table(["runs", *headers], panda))
     write(PAGE, "robots", table(["robot", "runs", *headers], others))

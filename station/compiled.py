@@ -38,7 +38,7 @@ class CompilationStatus:
     """State of a process: it runs the extensions or the sources.
 
     Attributes:
-        mode: Which of the two.
+        mode: `interpreted` or `compiled`.
         reason: Why, in whole sentences.
         is_forced: Whether the user has asked for it by `STATION_COMPILED`.
     """
@@ -110,7 +110,7 @@ def compiled_modules() -> dict[str, Path]:
 
 
 def recipe_digest() -> str | None:
-    """Return the digest of `setup.py`; None in an installed package, which has none."""
+    """Return the digest of `setup.py`; None in an installed package."""
     recipe = PACKAGE.parent / "setup.py"
     return file_digest(recipe) if recipe.is_file() else None
 
@@ -280,7 +280,7 @@ def _lock_path() -> Path:
 
 @contextmanager
 def building(*, waits: bool = True) -> Iterator[int]:
-    """Let one process at a time build, and everybody see that it does.
+    """Let one process at a time build, behind a lock that others can read.
 
     Args:
         waits: Whether to wait for a build that is under way.

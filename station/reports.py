@@ -138,7 +138,7 @@ class Percentiles(Report):
         p50: Median.
         p99: 99 of 100 are at most this.
         p999: 999 of 1000 are at most this.
-        max: Longest, even if it is not among those that the percentiles are of.
+        max: Longest, even if the percentiles do not include it.
         count: How many there were.
     """
 
@@ -345,11 +345,11 @@ class HardwareComponentReport(Report):
     Attributes:
         name: Its name.
         type: `system`, `actuator` or `sensor`.
-        plugin: What drives it, `package/Class` or `module:Class`.
+        plugin: Class of its robot, `package/Class` or `module:Class`.
         state: `unconfigured`, `inactive`, `active` or `finalized`.
         problem: The last error of a hook; empty without.
-        command_interfaces: What controllers can command while it is active.
-        state_interfaces: What controllers can read, unless it is unconfigured or
+        command_interfaces: Resources that controllers can command while it is active.
+        state_interfaces: Resources that controllers can read, unless unconfigured or
             finalized.
         async_update: Its reads and writes in a thread of its own; None if the control
             thread reads and writes it.
@@ -398,11 +398,11 @@ class ExportedValue(Report):
 
 @dataclass(frozen=True, slots=True)
 class ChainedController(Report):
-    """A controller with what it exports, and with its place in chains.
+    """A controller with its exports, and with its place in chains.
 
     Attributes:
         name: Its name.
-        state: Where it is in its life.
+        state: State of its life cycle.
         is_in_chained_mode: Whether a running controller commands its references.
         following: Names of the controllers whose references it commands.
         references: References that it exports.
@@ -505,7 +505,7 @@ class PlotSettings(Report):
         keys: Its channels, as the page names them, in their order.
         xy: Whether the others are drawn over the first channel, not over time.
         span: How much time is shown [s], above 0.
-        transform: What is shown of the channels: `smooth`, `difference`, `norm`,
+        transform: Transform of the shown channels: `smooth`, `difference`, `norm`,
             `spectrum`; empty for the channels as they are.
     """
 
@@ -523,7 +523,7 @@ class DockSettings(Report):
         folded: The docks that are folded, as the page names them.
         side: Width of a column of docks beside the 3D view [pixels].
         below: Height of the docks below it [pixels].
-        heights: Heights of docks that somebody has resized [pixels].
+        heights: Heights of the docks that a user has resized [pixels].
     """
 
     folded: Sequence[str]
@@ -571,12 +571,12 @@ class Playback(Report):
     Attributes:
         path: Name of the path.
         controller: The trajectory controller that moves along it.
-        state: `playing`, `paused`, or its end: `succeeded`, `cancelled` (by somebody),
+        state: `playing`, `paused`, or its end: `succeeded`, `cancelled` (by a client),
             `aborted` (it could not go on, see `message`).
         speed: Factor of all speeds, 0.05 to 2; without a unit.
         loop: Whether it begins again at its end.
         rounds: Rounds that are complete, 0 or more.
-        waypoint: Number of the waypoint it is on the way to, from 0.
+        waypoint: Number of its present target waypoint, from 0.
         waypoints: How many waypoints a round has.
         progress: Part of the round's waypoints that are behind it, 0 to 1.
         remaining: Time to the end of the round at the present speed [s].
@@ -766,7 +766,7 @@ class Plan(Report):
         planning_time: How long the planning took [s].
         joints: The joints.
         positions: Positions along the path [rad or m], shape (k, n), the start first.
-        twin: Where it was found: in a `copy` of this simulated station, or with a
+        twin: Source of the path: a `copy` of this simulated station, or a
             `model` of a real robot, which knows no more than the station.
     """
 
@@ -803,7 +803,7 @@ class Rehearsal(Report):
             cycle as doubles; the same motion has the same digest.
         certificate: With it the command is carried out as it was rehearsed; null when
             none was asked for, or none can be given.
-        twin: What was moved: `copy` of this simulated station, or `model` of a real
+        twin: The moved robot: `copy` of this simulated station, or `model` of a real
             robot, which is as good as its parameters.
     """
 
@@ -955,7 +955,7 @@ class AgentRequest(Report):
         number: Name of the request, for the answer.
         agent: Name of the agent.
         operation: Operation of the API that it asks for.
-        target: What it acts on, e.g. the name of a controller; may be empty.
+        target: Name of the controller or other thing to change; may be empty.
         request: Body of the request; null without one.
         asked_at: Wall time when it came [s since 1970].
         expires_at: Wall time when it is refused without an answer [s since 1970].

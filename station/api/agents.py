@@ -1,4 +1,4 @@
-"""The seat of agents: what a program with an agent's token may do, and who allows it.
+"""Rights of programs with an agent's token, and the requests that a person answers.
 
 An agent asks, and a person answers. A request that can move the robot waits here until
 somebody with the operator role has allowed or refused it; nothing of it has begun by
@@ -66,7 +66,7 @@ MOST_KEPT = 200
 
 
 def seat_of(method: str, operation: Mapping[str, Any]) -> str | None:
-    """Return the seat of an operation for agents; None when they are not offered it.
+    """Return the agents' right to an operation; None when agents cannot use it.
 
     Args:
         method: HTTP method, in small letters.
@@ -138,8 +138,8 @@ class Agents:
 
     Args:
         station: The station.
-        log: Takes who asked for what, and who allowed it.
-        policy: What is asked of agents.
+        log: Records each request, and the person who answered it.
+        policy: Limits and approvals for agents.
         now: Wall time [s since 1970].
     """
 
@@ -165,7 +165,7 @@ class Agents:
         """Refuse an operation that no agent has.
 
         Raises:
-            AgentRefusedError: It is none of theirs.
+            AgentRefusedError: Agents may not call the operation.
         """
         if operation not in FREE | ASKED:
             raise AgentRefusedError(
@@ -183,8 +183,8 @@ class Agents:
             origin: The agent, and its address.
 
         Raises:
-            AgentRefusedError: A person refused, nobody answered in time, or the robot
-                was stopped meanwhile.
+            AgentRefusedError: A person refused, no person answered in time, or the
+                robot was stopped meanwhile.
             TooManyAgentRequestsError: Too many requests of this agent wait.
         """
         operation = request.scope["route"].name
@@ -242,7 +242,7 @@ class Agents:
 
         Raises:
             AgentRequestNotFoundError: There is no such request.
-            AgentRequestDecidedError: It was decided before, or nobody waits any more.
+            AgentRequestDecidedError: It was decided before, or the agent waits no more.
         """
         asked = self._requests.get(number)
         if asked is None:

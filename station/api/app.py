@@ -87,7 +87,7 @@ class Kept:
     """Data that a station keeps on disk.
 
     Attributes:
-        events: Where events are recorded; a log in memory when left out.
+        events: Log of the events; a log in memory when left out.
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Folder of the gain sets; the user's own when None.
@@ -127,15 +127,15 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
     Args:
         station: The station that the API serves.
         authenticator: Knows the tokens.
-        policy: Which hosts and origins are allowed; localhost and numeric ones when
+        policy: Allowed hosts and origins; localhost and numeric ones when
             left out.
         slow_after: Time after which a stream is closed whose client reads nothing [s].
         max_streams: Most streams at a time.
         max_body: Largest request body [bytes].
         dashboard_url: Returns where the dashboard is; None while it is not known.
-        kept: Where events and recordings are kept; only events, and these in memory,
+        kept: Events and recordings on disk; only events, in memory,
             when left out.
-        agents: What the station asks of agents; a person's leave when left out.
+        agents: Rules for agents; a person allows each change when left out.
         cameras: Cameras; none when left out.
     """
     app = StationApi(

@@ -1,4 +1,4 @@
-"""The AsyncAPI document: the frames of all streams, and what a client may ask for."""
+"""The AsyncAPI document: the frames of all streams, and their parameters."""
 
 from pathlib import Path
 from typing import Any

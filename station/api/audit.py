@@ -52,7 +52,7 @@ def note_preview(connection: HTTPConnection) -> None:
 
 
 def origin_of(connection: HTTPConnection) -> Origin:
-    """Return the identity behind a request or WebSocket, as far as it is proved."""
+    """Return the proved identity behind a request or WebSocket."""
     client = connection.client
     return Origin(
         who=connection.scope.get("state", {}).get(WHO, ""),
@@ -144,7 +144,7 @@ class EventRecorder:
 
     Attributes:
         log: The same.
-        repeats: Counts what repeats.
+        repeats: Counts repeated events.
     """
 
     def __init__(

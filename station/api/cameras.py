@@ -1,4 +1,4 @@
-"""Pictures of cameras: drawn by a process of its own while somebody looks at them."""
+"""Pictures of cameras: drawn by a process of its own while a client reads them."""
 
 import asyncio
 import json
@@ -47,7 +47,7 @@ class Picture:
 
     Attributes:
         number: Counts the pictures of all cameras.
-        stamp: Station time of what it shows [s].
+        stamp: Station time of the picture [s].
         jpeg: Its file.
         drawn_at: When it came, on the monotonic clock [s].
     """
@@ -59,7 +59,7 @@ class Picture:
 
 
 class Cameras:
-    """The cameras of a station. The process that draws runs while somebody looks.
+    """The cameras of a station. Their renderer runs while a client reads pictures.
 
     Args:
         cameras: The cameras by name.
@@ -104,7 +104,7 @@ class Cameras:
 
         Args:
             name: Its name.
-            after: Number of a picture that is too old; when None, what was drawn
+            after: Number of a picture that is too old; when None, pictures drawn
                 within the last period will do.
 
         Raises:
@@ -152,7 +152,7 @@ class Cameras:
         return newest if newest and newest.drawn_at > fresh else None
 
     async def pictures(self, name: str) -> AsyncIterator[Picture]:
-        """Yield the pictures of a camera, each once, until it has no more."""
+        """Yield the pictures of a camera, each once, until the camera ends."""
         number = -1
         while True:
             found = await self.picture(name, number)
@@ -168,7 +168,7 @@ class Cameras:
                 self._reader.join()
 
     def _ask(self, name: str) -> None:
-        """Tell the renderer that somebody looks; start it when there is none."""
+        """Tell the renderer that a client reads pictures; start it if necessary."""
         with self._lock:
             if self._process is None or self._process.poll() is not None:
                 if time.monotonic() - self._failed_at < AGAIN_AFTER:

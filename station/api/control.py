@@ -36,7 +36,7 @@ class Lease:
 
     Attributes:
         owner: Name of the person or program.
-        key: Proves the lease; only its holder is told.
+        key: Proves the lease; only its holder knows it.
         access: Rights of the holder, and their proof.
         since: Wall time when the lease began [s since 1970].
         ttl: How long it lasts after a heartbeat [s], > 0.
@@ -79,10 +79,10 @@ class Control:
     """The lease of control, if anybody holds it. Any thread.
 
     Args:
-        log: Takes what happens with the lease.
+        log: Records the changes of the lease.
         let_go: Called with the names of the controllers that a former owner commanded,
             and a sentence with the reason, when the lease was taken by force or has
-            expired: what they do is held.
+            expired: their motions are held.
         now: Monotonic clock [s].
         rehearsed: Called before a command of motion, with `is_agent`; raises when it
             has to be rehearsed and is not.
@@ -104,7 +104,7 @@ class Control:
         self._listeners: dict[object, Callable[[], None]] = {}
 
     def present(self) -> Lease | None:
-        """Return the lease; None when nobody holds control."""
+        """Return the lease; None when no client holds control."""
         self.look()
         return self._lease
 
@@ -136,8 +136,8 @@ class Control:
             key: The lease that the request names; None without one.
 
         Raises:
-            ControlHeldError: Somebody else holds control.
-            ControlNotHeldError: The caller is an agent, and nobody holds control.
+            ControlHeldError: Another client holds control.
+            ControlNotHeldError: The caller is an agent, and no client holds control.
         """
         lease = self.present()
         if lease is None:
@@ -197,13 +197,13 @@ class Control:
             key: The lease that the request names; None without one.
             owner: Name of the person or program.
             ttl: How long the lease lasts without a heartbeat [s], > 0.
-            force: Take the lease from whoever holds it, also from an owner who offers
-                it; what the former owner commanded is held. An agent's lease is taken
+            force: Take the lease from its holder, also from an owner who offers
+                it; the former owner's motions are held. An agent's lease is taken
                 without it, and an agent may not use it.
             origin: Caller, and the caller's address.
 
         Raises:
-            ControlHeldError: Somebody else holds control and `force` is false, or an
+            ControlHeldError: Another client holds control and `force` is false, or an
                 agent uses it.
         """
         with self._lock:
@@ -266,8 +266,8 @@ class Control:
             origin: Caller, and the caller's address.
 
         Raises:
-            ControlHeldError: Somebody else holds control.
-            ControlNotHeldError: Nobody holds control.
+            ControlHeldError: Another client holds control.
+            ControlNotHeldError: No client holds control.
         """
         with self._lock:
             lease = self._owned(access, key)
@@ -287,8 +287,8 @@ class Control:
         """Give control back; motions go on.
 
         Raises:
-            ControlHeldError: Somebody else holds control.
-            ControlNotHeldError: Nobody holds control.
+            ControlHeldError: Another client holds control.
+            ControlNotHeldError: No client holds control.
         """
         with self._lock:
             lease = self._owned(access, key)
@@ -320,7 +320,7 @@ class Control:
                 bench does: there is nothing to rehearse.
 
         Raises:
-            ControlHeldError: Somebody else holds control.
+            ControlHeldError: Another client holds control.
             RehearsalNeededError: The caller's motions have to be rehearsed.
         """
         # Every door goes through here: the API, its streams, and the tool ports.
@@ -354,7 +354,7 @@ class Control:
                 bench does: there is nothing to rehearse.
 
         Raises:
-            ControlHeldError: Somebody else holds control.
+            ControlHeldError: Another client holds control.
             RehearsalNeededError: The caller's motions have to be rehearsed.
         """
         with self.commanding(access, key, controller, is_bounded=is_bounded):

@@ -98,7 +98,7 @@ RoleDep = Annotated[Role, Depends(viewer)]
 async def operator_anyway(
     request: Request, role: RoleDep, access: AccessDep, services: ServicesDep
 ) -> Role:
-    """Return the role of a caller who may change things, whoever holds control.
+    """Return the role of a caller who may change things, regardless of control.
 
     Raises:
         ProblemError: The caller is a viewer, or an agent that asks for what agents may
@@ -138,7 +138,7 @@ async def operator(
     """Return the role of a caller who may change things now.
 
     Raises:
-        ControlHeldError: Somebody else holds control.
+        ControlHeldError: Another client holds control.
         ControlNotHeldError: The caller is an agent without a lease.
         RehearsalNeededError: The caller is an agent whose motion has no certificate.
     """

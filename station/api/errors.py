@@ -194,7 +194,7 @@ class ProblemError(HTTPException):
     Args:
         status: HTTP status.
         code: Stable machine-readable name.
-        detail: Which thing, its value, what is allowed.
+        detail: The thing, its value, and the allowed values.
         remedy: Advice to the user.
         headers: Extra response headers.
     """

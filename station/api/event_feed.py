@@ -45,8 +45,8 @@ class EventFeed:
             since: Number of the last event that the client has; the newest events when
                 None.
             limit: Most events, >= 1.
-            kinds: Only these; all when empty.
-            severity: Only those of at least this severity.
+            kinds: Kinds of the events; all when empty.
+            severity: Least severity of the events.
         """
         if since is not None and self._log.is_in_memory(since):
             return self._log.since(since, limit, kinds, severity)
@@ -69,8 +69,8 @@ class EventFeed:
 
         Args:
             since: Number of the last event that the client has; from now on when None.
-            kinds: Only these; all when empty.
-            severity: Only those of at least this severity.
+            kinds: Kinds of the events; all when empty.
+            severity: Least severity of the events.
             end: Returns when the stream has to end.
 
         Raises:

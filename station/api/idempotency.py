@@ -104,7 +104,7 @@ class IdempotentAnswers:
             who: Name of the caller; each caller has keys of its own.
             key: The key.
             request: The request.
-            carry_out: Does what is asked for.
+            carry_out: Carries the request out.
 
         Raises:
             ProblemError: The key was used for another request.

@@ -31,7 +31,7 @@ class JsonRequest(Request):
         """Return the parsed body.
 
         Raises:
-            json.JSONDecodeError: It is no JSON.
+            json.JSONDecodeError: The body is no JSON.
             ProblemError: The body has more values than a request may have.
         """
         body = orjson.loads(await self.body())

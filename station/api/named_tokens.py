@@ -87,7 +87,7 @@ class NamedTokens:
     """The named tokens of a station. For one event loop.
 
     Args:
-        path: Where they are kept, readable by the station's user alone; None keeps them
+        path: File of the tokens, readable by the station's user alone; None keeps them
             until the station ends.
         now: Wall time [s since 1970].
 
@@ -116,7 +116,7 @@ class NamedTokens:
         return {token.digest: token for token in found if not token.has_ended()}
 
     def find(self, secret: str) -> NamedToken | None:
-        """Return the valid token that somebody shows; None when there is none."""
+        """Return the valid token of that secret; None when there is none."""
         # Comparing hashes of secrets takes no time that tells anything of a secret.
         digest = hashlib.sha256(secret.encode()).hexdigest()
         for token in self._tokens.values():
@@ -125,7 +125,7 @@ class NamedTokens:
         return None
 
     async def create(self, name: str, role: str, lifetime: float | None) -> str:
-        """Make a token and return it; nobody can learn it afterwards.
+        """Make a token and return it; the station keeps only its hash.
 
         Args:
             name: Owner of the token.

@@ -1,4 +1,4 @@
-"""The OpenAPI document of the framework, completed by what it cannot know."""
+"""The OpenAPI document of FastAPI, with statuses, headers and tags added."""
 
 from typing import Any
 

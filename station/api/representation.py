@@ -1,4 +1,4 @@
-"""Send an answer to GET as it is, compressed, as its head, or not again.
+"""Send an answer to GET whole, compressed, as its head, or as 304.
 
 Only JSON that comes whole is looked into. Streams, server-sent events and files go
 through as they are: their first byte is not to wait for the last one.

@@ -258,7 +258,7 @@ class StreamProtocol(WebSocketsSansIOProtocol):
         self._resumed = resumed
 
     def abort(self, code: int, reason: str) -> None:
-        """Send a close frame, then cut the connection even if nobody reads the frame.
+        """Send a close frame, then cut the connection without waiting for the client.
 
         Args:
             code: Close code.

@@ -39,7 +39,7 @@ def add_service(
     """Add the route of a service below `/{arm_id}`.
 
     Args:
-        router: Where the route goes; its routes need the viewer role.
+        router: Router that gets the route; its routes need the viewer role.
         service: The service.
         request: Model of the body; None for a service without parameters.
         reply: Model of the answer.
@@ -83,7 +83,7 @@ def _endpoint(
 def call_service(
     station: Station, arm_id: str, name: str, arguments: Mapping[str, object]
 ) -> object:
-    """Call a declared service between two cycles; return what its method returns.
+    """Call a declared service between two cycles; return its method's value.
 
     Args:
         station: The station.

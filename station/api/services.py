@@ -39,7 +39,7 @@ class Services:
         station: The station that is served.
         authenticator: Knows tokens and sessions.
         failed_logins: Slows down the guessing of tokens.
-        event_recorder: Records who did what.
+        event_recorder: Records the changes of each client.
         event_feed: Hands out events, page by page or as they happen.
         alarms: Alarms of the station.
         control: The lease of control.

@@ -48,7 +48,7 @@ class ChangeRefusedError(StationError, PermissionError):
 
 
 class ToolClient:
-    """A client of a port: what it may change, and the events about its changes.
+    """A client of a port: its rights, and the events about its changes.
 
     Args:
         tool: Name of the tool, for events.
@@ -80,7 +80,7 @@ class ToolClient:
 
         Raises:
             ChangeRefusedError: The client is no operator, or no longer one.
-            StationError: Somebody else holds control.
+            StationError: Another client holds control.
         """
         try:
             if self.access.has_ended():
@@ -125,13 +125,13 @@ class ToolSession(Protocol):
     """The conversation with one client, in the event loop of the API."""
 
     async def greet(self) -> None:
-        """Send what the protocol begins with."""
+        """Send the first messages of the protocol."""
 
     async def feed(self, slow_after: float) -> None:
-        """Send what there is; return when the client takes nothing for too long."""
+        """Send waiting messages; return when the client reads nothing for too long."""
 
     async def listen(self) -> None:
-        """Answer what the client asks; return when it is gone."""
+        """Answer the client's messages; return when it is gone."""
 
 
 SessionT = TypeVar("SessionT", bound=ToolSession)
@@ -144,7 +144,7 @@ class Place:
     Attributes:
         host: Address to listen at.
         port: TCP port; 0 for any free one.
-        policy: Which hosts and origins are allowed.
+        policy: Allowed hosts and origins.
         anonymous: Whether a client without a token is a viewer.
     """
 
@@ -159,13 +159,13 @@ class ToolPort(ABC, Generic[SessionT]):
 
     Args:
         app: The application of the API, whose station, tokens and lease it shares.
-        place: Where it is served, and for whom.
+        place: Address of the port, and the clients that it admits.
 
     Attributes:
         place: As given.
         host: Address to listen at.
         port: TCP port; the real one once the server listens.
-        sessions: The conversations, with what each client may do.
+        sessions: The conversations, with the rights of each client.
     """
 
     tool: ClassVar[str]
@@ -309,7 +309,7 @@ async def _end_of(task: asyncio.Task[None]) -> None:
 
 
 def by_port(app: ASGIApp, ports: Sequence[ToolPort[Any]]) -> ASGIApp:
-    """Return an application that tells ports apart by the one that was connected to."""
+    """Return an application that chooses a port's routes by the connection's port."""
 
     async def serve(scope: Scope, receive: Receive, send: Send) -> None:
         server = scope.get("server")

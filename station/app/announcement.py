@@ -12,7 +12,7 @@ class Announcement:
         api_url: The API.
         ui_url: The dashboard; empty when there is none.
         token: The operator's token.
-        runtime_file: Where the tokens are kept.
+        runtime_file: Store of the tokens.
         scheduler: Scheduling that the control thread was granted.
         robot: SIMULATION or REAL ARM, as in the dashboard's strip.
         kernel: Whether the cycle's arithmetic runs interpreted or compiled, and why.

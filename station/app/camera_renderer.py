@@ -1,9 +1,9 @@
-"""Draw what the cameras of a station see, in a process of its own.
+"""Draw the pictures of a station's cameras, in a process of its own.
 
 It reads lines from its standard input: first `Assignment` as JSON, then the name of a
-camera whenever somebody wants its pictures. On its standard output each picture is a
+camera whenever a client asks for its pictures. On its standard output each picture is a
 line of JSON with `name`, `stamp` and `size`, and then its bytes; a line with `error`
-says why there are none. It ends with its input, or when nobody has asked for long.
+says why there are none. It ends with its input, or after some time without requests.
 """
 
 import asyncio
@@ -64,7 +64,7 @@ class Assignment(BaseModel):
 
 
 class DrawnRobot:
-    """A robot with its visual meshes, at the joint positions that it was told last.
+    """A robot with its visual meshes, at the newest joint positions.
 
     Args:
         description: `example-robot-data:<robot>` or the path of a URDF file.
@@ -320,7 +320,7 @@ def _pose(
 
 
 class Renderer:
-    """Draws the cameras that somebody looks at, and writes their pictures.
+    """Draws the requested cameras, and writes their pictures.
 
     Args:
         assignment: The station, its robots and its cameras.
@@ -339,7 +339,7 @@ class Renderer:
         self._idle_at = time.monotonic() + IDLE_FOR
 
     async def run(self) -> None:
-        """Draw until the input ends, or nobody has asked for long."""
+        """Draw until the input ends, or no request has come for long."""
         fastest = max(camera.rate for camera in self._assignment.cameras.values())
         async with AsyncStationClient(
             self._assignment.url, self._assignment.token

@@ -94,15 +94,15 @@ def compose(
     """Build everything up to the facade and load the controllers; nothing runs yet.
 
     A controller that cannot be loaded is an error if it is to be started, and is
-    otherwise left out, so that parameter files may name what this station lacks.
+    otherwise left out, so that parameter files may name unknown types.
 
     Args:
         config: The configuration.
         clock: Wall time; the system's when None.
         heartbeat: The page that the loop shares with a watchdog, if there is one.
-        snapshots: Where every cycle leaves its snapshot; a ring of the usual size when
+        snapshots: Ring that receives the snapshots; one of the usual size when
             None. A smaller one saves memory where many stations share a process.
-        announce: Takes what is done next, before it is done: a robot or a controller
+        announce: Takes the next step before it begins: a robot or a controller
             may take long, or hang.
 
     Raises:

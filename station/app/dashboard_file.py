@@ -25,7 +25,7 @@ class DashboardRecord:
     Attributes:
         pid: The dashboard's process.
         started: When it started, as the system counts it.
-        host: Where the dashboard listens.
+        host: Host on which the dashboard listens.
         port: Its port.
         shown: Drawn robots and the version of the program, as one text; a
             station adopts a dashboard only if it would start the same.
@@ -53,7 +53,7 @@ class DashboardRecord:
         """Write the file, or replace it.
 
         Raises:
-            RuntimeDirectoryError: The directory belongs to somebody else, or cannot be
+            RuntimeDirectoryError: The directory belongs to another user, or cannot be
                 written.
         """
         return write_private(dashboard_path(self.pid).name, self)
@@ -75,14 +75,14 @@ def claim_orphan(host: str, port: int) -> DashboardRecord | None:
     Files of dashboards that have ended are removed.
 
     Args:
-        host: Where it must listen.
+        host: Host on which it must listen.
         port: Its port; 0: any.
 
     Returns:
         The dashboard, or None when there is none.
 
     Raises:
-        RuntimeDirectoryError: The directory belongs to somebody else.
+        RuntimeDirectoryError: The directory belongs to another user.
     """
     for path, record in _records():
         if not is_alive(record.pid, record.started):

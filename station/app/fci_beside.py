@@ -53,8 +53,9 @@ _END = 2.0
 class FciBeside:
     """Joins a process that serves clients to the arm and the hand of a station.
 
-    The process moves bytes (`fci_door`). What a client asks for is done by the control
-    thread between two cycles, at the request of a thread that waits for the process.
+    The process moves bytes (`fci_door`). Requests of a client are carried out by the
+    control thread between two cycles, at the request of a thread that waits for the
+    process.
 
     Args:
         station: The station; its loop need not run yet.

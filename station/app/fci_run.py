@@ -49,7 +49,7 @@ class FciRun:
 
     Args:
         config: The configuration; its robot and its scene are used.
-        settings: Where and how clients are served.
+        settings: Address and protocol of the server.
         version: The only version that is spoken; None for all that have a table.
         tell: Takes a line once clients can connect, and one at the end.
         warn: Takes a line about something that is not as it should be.

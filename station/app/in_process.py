@@ -59,7 +59,7 @@ class InProcessStation:
     Every method raises the errors of `station.core.errors`, and changes nothing then.
 
     Args:
-        config: The station's YAML file, or what such a file would hold; None takes the
+        config: The station's YAML file, or the content of one; None takes the
             default: a simulated Panda. A configuration that `load_config` has read is
             taken as it is; `controllers` and `settings` are part of it.
         controllers: Parameter files written for ROS, added to the controllers.
@@ -182,7 +182,7 @@ class InProcessStation:
         within its first 4000 cycles.
 
         Args:
-            folder: Where to.
+            folder: Folder of the recording.
             name: Name of the file: letters, digits, `_`, `.` and `-`.
             note: For the record.
 
@@ -298,7 +298,7 @@ class InProcessStation:
             duration: How long it takes [s]; a calm time when None.
 
         Raises:
-            MotionError: The joints did not arrive, and why.
+            MotionError: The joints did not arrive; with the reason.
         """
         name = self._trajectory_controller()
         motion = self.facade.motion

@@ -38,7 +38,7 @@ class Journal:
 
     Attributes:
         log: The event log.
-        directory: Where the station keeps what outlives it; None when it cannot.
+        directory: Folder that outlives the station; None when there is none.
     """
 
     def __init__(self, station: Station, warn: Callable[[str], None]) -> None:

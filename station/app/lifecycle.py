@@ -62,7 +62,7 @@ if TYPE_CHECKING:
 
 
 class ExtensionsBuild:
-    """Has the extensions built when none fit and this machine has what it takes.
+    """Builds the extensions when none fit and this machine has a compiler.
 
     The process that builds runs in idle time alone, so that the control loop has the
     processor before it, and outlives the station, so that a short run is enough.
@@ -297,7 +297,7 @@ class StationRun:
         )
 
     def _find_dashboard(self, robot: Mapping[str, object]) -> AdoptedProcess | None:
-        """Return the dashboard of an earlier station, if it shows the same."""
+        """Return the dashboard of an earlier station with the same options."""
         api, ui = self._config.api, self._config.ui
         options = self._ui_options(robot, "", "", "", ui.port)
         return find_orphan(api.host, ui.port, options.shown()) if ui.enabled else None

@@ -1,4 +1,4 @@
-"""Build the recorder of a station from its configuration, and mend what is broken."""
+"""Build the recorder of a station from its configuration, and mend broken files."""
 
 import importlib.util
 import json
@@ -36,7 +36,7 @@ def make_recorder(
         station: The station; best before its first cycle, because a recording can be
             run again only if all is known that was asked since then.
         config: Its configuration.
-        warn: Takes a line about what was recovered, or why nothing can be recorded.
+        warn: Takes a line about a recovery, or the reason why recording is impossible.
     """
     section = config.records
     if not section.enabled:
@@ -97,7 +97,7 @@ def make_ports(
         app: The application of the API, whose tokens and lease count there, too.
         station: The station.
         config: Its configuration.
-        policy: Which hosts and origins the API allows.
+        policy: Hosts and origins that the API allows.
     """
     if not (config.foxglove.enabled or config.rosbridge.enabled):
         return []

@@ -18,7 +18,7 @@ class ShutdownSignals:
     further one calls `at_once` and ends the process.
 
     Args:
-        at_once: Kills what must not outlive the process; must not block.
+        at_once: Kills the processes that must not outlive this one; must not block.
     """
 
     def __init__(self, at_once: Callable[[], None]) -> None:

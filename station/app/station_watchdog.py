@@ -67,7 +67,7 @@ class StationWatchdog:
         return self._process.url if self._process else ""
 
     def start(self, authenticator: Authenticator) -> None:
-        """Start the process; until `guard` it only tells which step takes long."""
+        """Start the process; until `guard` it only reports the step that takes long."""
         if self._process is None:
             return
         limits = self._config.watchdog
@@ -171,7 +171,7 @@ class StationWatchdog:
             self._process.finish(FINISH_TIMEOUT)
 
     def check_end(self, cause: StationError | None = None) -> None:
-        """Refuse to call the end of the station an orderly one when it was not.
+        """Raise if the watchdog has ended the station.
 
         Args:
             cause: Error of the station's end, if there was one.

@@ -43,13 +43,13 @@ class Likeness:
     Attributes:
         config: The configuration, without the address of the arm and controllers.
         positions: Positions of the joints by name [rad].
-        load: The load that the arm was told of.
+        load: The load that was set in the arm.
         end_effector: NE_T_EE, 16 numbers.
         stiffness_frame: EE_T_K, 16 numbers.
         behavior: Thresholds of collisions; None for those of the configuration.
         roles: The objects with a role around the arm.
         controllers: Parameters of the loaded controllers, by name.
-        running: Names of those that run.
+        running: Names of the running controllers.
         gains: Gains by controller and name.
         stopped: Reason of the latched stop; None when motion is allowed.
     """
@@ -163,8 +163,8 @@ def run_model(
         work: Called with the model, in a process of its own.
 
     Raises:
-        RehearsalError: There is no model, or it came to no result.
-        StationError: The work ended with it.
+        RehearsalError: There is no model, or its process ended without a result.
+        StationError: The work raised it.
     """
     question = pickle.dumps((Likeness.of(config, station), work))
     # Without `close_fds` the process is spawned: nothing of this one is copied.

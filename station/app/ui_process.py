@@ -27,7 +27,7 @@ class PortTakenError(StationError, OSError):
     """The dashboard cannot listen at its port.
 
     Args:
-        host: Where it was to listen.
+        host: Host of the port.
         port: Its port.
         cause: Error message of the operating system.
     """
@@ -70,11 +70,11 @@ class UiOptions:
     Attributes:
         api_url: The station's API.
         token: The operator's token.
-        host: Where the dashboard listens.
+        host: Host on which the dashboard listens.
         port: Its port, not 0.
         robot_description: The robot to draw; empty draws none.
         arm_id: Prefix of the robot's joints.
-        base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        base: Pose of the root link: x, y, z [m], roll, pitch, yaw [rad].
         base_moves: Whether that link floats or drives instead.
         beside: Description, prefix and base of each further robot to draw.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
@@ -168,12 +168,12 @@ def find_orphan(host: str, port: int, shown: str) -> AdoptedProcess | None:
     One that listens at the wanted port and does not fit is ended.
 
     Args:
-        host: Where the dashboard must listen.
+        host: Host on which the dashboard must listen.
         port: Its port; 0: any.
         shown: Robots and scene that it must draw.
 
     Raises:
-        RuntimeDirectoryError: The runtime directory belongs to somebody else.
+        RuntimeDirectoryError: The runtime directory belongs to another user.
     """
     record = claim_orphan(host, port)
     if record is None:
@@ -197,7 +197,7 @@ class UiProcess:
     """Runs `station ui` in a session of its own, so that Ctrl-C does not reach it.
 
     A dashboard that serves outlives a crash of this process for a while, and is adopted
-    by the station that is started next. It ends by itself when nobody does that.
+    by the station that is started next. Otherwise it ends by itself.
 
     Args:
         options: Options of the dashboard. The tokens go by the environment.

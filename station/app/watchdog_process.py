@@ -33,7 +33,7 @@ class WatchdogProcess:
 
     Attributes:
         heartbeat: The page shared with the process.
-        url: Where the watchdog answers.
+        url: Address of the watchdog.
     """
 
     def __init__(self) -> None:

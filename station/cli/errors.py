@@ -20,7 +20,7 @@ class Failure:
 
     Attributes:
         code: Stable name of the kind of failure.
-        detail: Which thing, its value, what is allowed.
+        detail: The thing, its value, and the allowed values.
         remedy: Advice to the user; may be empty.
         is_usage: The command line itself is wrong.
         errors: Every single thing that is wrong, when there are several.

@@ -1,6 +1,6 @@
 """Parse the command line, run the verb, turn an error into an exit code.
 
-What takes long to import is imported by the function of the verb that needs it, so that
+Slow imports are made by the function of the verb that needs them, so that
 help and wrong usage are answered at once.
 """
 

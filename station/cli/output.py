@@ -42,7 +42,7 @@ def _jsonable(value: object) -> object:
 
 
 def answer(options: Namespace, found: object, *lines: str) -> int:
-    """Print lines, or with `--json` what was found; return the exit code 0."""
+    """Print lines, or with `--json` the data; return the exit code 0."""
     if options.json:
         say_json(found)
     else:
@@ -58,11 +58,11 @@ def answer_table(
     rows: Sequence[Sequence[str]],
     nothing: str = "",
 ) -> int:
-    """Print a table, or with `--json` what was found; return the exit code 0.
+    """Print a table, or with `--json` the data; return the exit code 0.
 
     Args:
         options: Those of the verb.
-        found: What the table is about.
+        found: Items of the table.
         headers: Headers of the columns.
         rows: The cells.
         nothing: Printed in place of a table without rows, if not empty.

@@ -393,7 +393,7 @@ class ControlLease(_Client[AsyncControlLease]):
         """Take control.
 
         Raises:
-            ApiError: Somebody else holds control.
+            ApiError: Another client holds control.
             StationUnreachableError: The station does not answer.
         """
         _run(self._source.__aenter__())

@@ -140,9 +140,9 @@ def _leave(
 class Stream:
     """Frames of a topic; a slow reader misses frames.
 
-    `with` connects at once and raises when that fails; without it, the first frame that
-    is asked for connects. Read it in one thread; `close()` from any other ends the
-    iteration. The station's first frame does not come as an item but as
+    `with` connects at once and raises when that fails; without it, the first frame
+    that is read connects. Read it in one thread; `close()` from any other ends the
+    iteration. The station's first frame is no item of the iteration, but
     `progress.hello`; a new `boot_id` in a frame means that the station restarted.
 
     Raises:

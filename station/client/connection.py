@@ -128,14 +128,14 @@ class AsyncConnection:
     def repeat(
         self, act: Callable[[], Coroutine[Any, Any, bool]], period: float
     ) -> Callable[[], Awaitable[None]]:
-        """Do something again and again beside the program, until it returns False.
+        """Repeat a function beside the program until it returns False.
 
         Args:
             act: Action to repeat, first after a period.
             period: Time from its end to its next beginning [s], > 0.
 
         Returns:
-            What ends it; an act under way is cancelled, or waited for.
+            A function that ends it; an act under way is cancelled, or waited for.
         """
 
         async def run() -> None:
@@ -241,7 +241,7 @@ class AsyncConnection:
             method: HTTP method.
             path: Path below the prefix of the API.
             answer: Wire model of the answer.
-            body: JSON body, of which a model sends only what was set; or a file.
+            body: JSON, a model, of which only fields with a value are sent, or a file.
             headers: Extra headers.
             query: Query parameters; a list repeats its parameter.
             patience: How much longer than usual the answer may take [s]; infinite for
@@ -287,7 +287,7 @@ class AsyncConnection:
         Raises:
             ApiError: The station refuses; no file is made.
             StationUnreachableError: The station does not answer, or not to the end;
-                what had come is deleted.
+                the received part is deleted.
             FileExistsError: There is such a file.
         """
         try:
@@ -341,7 +341,7 @@ class AsyncConnection:
 class ClientPart:
     """The client of one part of the API.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
 
     Args:
         connection: The connection to the station.
@@ -366,11 +366,11 @@ class NamedThings(ClientPart, Generic[ThingT]):
     _kind: type[ThingT]
 
     async def get(self, name: str) -> ThingT:
-        """Return the one of that name."""
+        """Return the item of that name."""
         return await self._get(self._of(name), self._kind)
 
     async def delete(self, name: str) -> ThingT:
-        """Delete the one of that name; return its last content."""
+        """Delete the item of that name; return its last content."""
         return await self._send("DELETE", self._of(name), self._kind)
 
 

@@ -138,7 +138,7 @@ class AsyncControllersClient(ClientPart):
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
             unknown_params: Whether parameters that its type does not know are refused,
-                as when None, or told in its `notes`, as is right for files of ROS.
+                as when None, or listed in its `notes`, as is right for files of ROS.
             idempotency_key: Random name of the request, 1 to 200 visible ASCII
                 characters: sent again with the same key within 10 minutes, e.g. after a
                 lost connection, it is carried out once.
@@ -191,15 +191,15 @@ class AsyncControllersClient(ClientPart):
         Args:
             start: Names to start.
             stop: Names to stop.
-            strictness: `strict` for all or nothing, `best_effort` for what is possible;
-                `auto` also starts and stops what chains need, and `force_auto` stops
-                who is in the way of a start.
+            strictness: `strict` for all or nothing, `best_effort` for the possible
+                part; `auto` also starts and stops what chains need, and `force_auto`
+                stops controllers that hold what a start needs.
             start_asap: Start each as soon as its joints are ready.
             timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
                 takes, up to `bound`.
             bound: How long a switch without a timeout may take [s of wall time]; None
                 means as long as the hardware takes.
-            dry_run: Only return what would happen.
+            dry_run: Only return the plan.
             idempotency_key: As for `load_controller`.
         """
         request = wire.SwitchRequest(
@@ -290,7 +290,7 @@ class AsyncControllersClient(ClientPart):
         relay_gain: float | None = None,
         run: str | None = None,
     ) -> BenchResponse:
-        """Excite one joint through a running controller, and return how it follows.
+        """Excite one joint through a running controller, and return its response.
 
         The answer comes when the joint is back where it began. What is too large, too
         fast or too near a limit is refused before anything moves.
@@ -456,7 +456,7 @@ class AsyncControllersClient(ClientPart):
 
         Args:
             controller: A running trajectory controller.
-            target: Where joints are to go [rad or m], by name, others stay; a `Pose` of
+            target: Target positions [rad or m] by joint, others stay; a `Pose` of
                 a Franka's end effector; or the name of a pose that the robot has.
             timeout: How long to search [s], above 0 and at most 30.
             seed: Of the random numbers; another seed finds another path.

@@ -1,7 +1,7 @@
 """Errors of the client.
 
 ```
-ApiError                       the station refused; says why and what to do
+ApiError                       the station refused; has reason and remedy
 ├── MotionError                a motion or a goal did not reach its aim
 ├── StationUnreachableError    no answer at all
 └── StreamTimeoutError         no such frame came in time
@@ -22,7 +22,7 @@ class ApiError(Exception):
     Attributes:
         status: HTTP status, or close code of a stream; 0 when there was no answer.
         code: Stable machine-readable name of the kind of failure.
-        detail: Which thing, its value, what is allowed.
+        detail: The thing, its value, and the allowed values.
         remedy: Advice to the user.
         errors: Every single thing that is wrong with the request.
         details: The facts of `detail` as data.

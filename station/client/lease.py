@@ -68,7 +68,7 @@ class AsyncControlLease:
     """Control of the station for the length of a `with` block.
 
     While it lasts, changes by other operators are refused. Heartbeats are sent in the
-    background; when somebody takes control by force, or no heartbeat came through for
+    background; when a client takes control by force, or no heartbeat came through for
     `ttl`, the requests of this client are refused with the new owner's name.
 
     Args:
@@ -100,7 +100,7 @@ class AsyncControlLease:
         """Take control.
 
         Raises:
-            ApiError: Somebody else holds control.
+            ApiError: Another client holds control.
             StationUnreachableError: The station does not answer.
         """
         state = await self._control.take(self._owner, ttl=self._ttl, force=self._force)

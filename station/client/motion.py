@@ -103,7 +103,7 @@ async def move_to(
         plan: Go by a path of the joints that touches nothing.
 
     Raises:
-        MotionError: The arm did not arrive, and why.
+        MotionError: The arm did not arrive; with the reason.
         ValueError: A motion to a `Pose` was given a duration.
     """
     if plan or not isinstance(target, Pose):

@@ -105,9 +105,9 @@ def joint_positions(
     """Return one position per joint [rad or m], shape (n,).
 
     Args:
-        target: Where the joints are to go.
+        target: Target of the joints.
         names: The joints.
-        here: Where they are wanted now, shape (n,); they stay there unless named.
+        here: Present set-points, shape (n,); joints without a target keep theirs.
 
     Raises:
         UnknownPoseError: There is no such pose of these joints.
@@ -143,8 +143,8 @@ def trajectory_goal(
 
     Args:
         names: The joints.
-        here: Where they are wanted now [rad or m], shape (n,).
-        values: Where they are to go [rad or m], shape (n,).
+        here: Present set-points [rad or m], shape (n,).
+        values: Target positions [rad or m], shape (n,).
         duration: How long it takes [s]; a calm time when None.
     """
     ways = [abs(v - (h or 0.0)) for v, h in zip(values, here, strict=True)]

@@ -21,7 +21,7 @@ class _Answer(RootModel[JsonValue]):
 class AsyncRobotClient(ClientPart):
     """One arm of a station: `client.robot(arm_id)`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
 
     Args:
         connection: The connection to the station.
@@ -180,9 +180,9 @@ POLL = 0.05
 class AsyncGripperClient(ClientPart):
     """The gripper of an arm: `client.robot(arm_id).gripper`.
 
-    Homing, move and grasp begin and return at once; `state` tells how far they are.
+    Homing, move and grasp begin and return at once; `state` has their progress.
     `open` and `close` wait until the fingers are there.
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
 
     Args:
         connection: The connection to the station.
@@ -209,7 +209,7 @@ class AsyncGripperClient(ClientPart):
             timeout: Longest wait [s].
 
         Raises:
-            MotionError: The width was not reached, and why.
+            MotionError: The width was not reached; with the reason.
         """
         if width is None:
             width = (await self.state()).max_width
@@ -230,7 +230,7 @@ class AsyncGripperClient(ClientPart):
             The state; its `width` is that of the object, 0 without one.
 
         Raises:
-            MotionError: The fingers did not close, and why.
+            MotionError: The fingers did not close; with the reason.
         """
         # Closed fingers are a hair beyond zero or not, hence the inner tolerance.
         whatever = wire.GraspEpsilon(inner=0.005, outer=(await self.state()).max_width)
@@ -279,7 +279,7 @@ class AsyncGripperClient(ClientPart):
 class AsyncSimulationClient(ClientPart):
     """The simulation of a station: `client.simulation`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/simulation"

@@ -60,7 +60,7 @@ class AsyncStationClient(AsyncControllersClient):
         transport: How requests travel; for tests.
         ca: PEM file with the certificates to trust with an https `url`. When None it is
             `STATION_CA`, or else the certificate of the station on this machine, or
-            else what the system trusts.
+            else the system's.
 
     Raises:
         NoStationError: No `url`, and no station or several on this machine.
@@ -270,7 +270,7 @@ class AsyncStationClient(AsyncControllersClient):
             plan: Go by a path of the joints that touches nothing, as `start_move`.
 
         Raises:
-            MotionError: The arm did not arrive, and why.
+            MotionError: The arm did not arrive; with the reason.
             ValueError: A motion to a `Pose` was given a duration.
         """
         sleep = self._connection.sleep
@@ -333,7 +333,7 @@ class AsyncStationClient(AsyncControllersClient):
         return AsyncRobotClient(self._connection, arm_id)
 
     async def scene(self) -> list[wire.SceneObject]:
-        """Return the objects around a simulated robot, where they are now."""
+        """Return the objects around a simulated robot at their present poses."""
         return (await self._get("/scene", wire.Scene)).objects
 
     async def clearances(self) -> list[wire.Clearance]:
@@ -341,7 +341,7 @@ class AsyncStationClient(AsyncControllersClient):
         return (await self._get("/scene", wire.Scene)).clearances
 
     async def put_object(self, name: str, /, **values: JsonValue) -> wire.SceneObject:
-        """Add an object that arms keep clear of, or change the one of that name.
+        """Add an object that arms keep clear of, or change the object of that name.
 
         Args:
             name: Its name.
@@ -353,7 +353,7 @@ class AsyncStationClient(AsyncControllersClient):
         return await self._send("PUT", path, wire.SceneObject, request)
 
     async def remove_object(self, name: str) -> list[wire.SceneObject]:
-        """Remove an object with a role; return what is left."""
+        """Remove an object with a role; return the remaining ones."""
         path = f"/scene/{segment(name)}"
         return (await self._send("DELETE", path, wire.Scene)).objects
 
@@ -365,7 +365,7 @@ class AsyncStationClient(AsyncControllersClient):
         Args:
             name: The object.
             arm: The arm; may be empty where there is only one.
-            load: Tell the arm the mass of what it carries; it must not move.
+            load: Set the load of the arm, too, which must not move.
         """
         request = wire.AttachRequest(arm=arm, load=load)
         path = f"/scene/{segment(name)}/attach"
@@ -376,7 +376,7 @@ class AsyncStationClient(AsyncControllersClient):
 
         Args:
             name: The object.
-            load: Tell the arm the mass of what is left; it must not move.
+            load: Set the load of the arm to the rest; it must not move.
         """
         request = wire.DetachRequest(load=load)
         path = f"/scene/{segment(name)}/detach"

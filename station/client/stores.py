@@ -51,7 +51,7 @@ class AsyncFilesClient(ClientPart):
         """Return the joint positions of one that has ended.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             rate: Cycles per second of station time [Hz].
         """
         path = self._of(identifier, "trajectory")
@@ -61,7 +61,7 @@ class AsyncFilesClient(ClientPart):
         """Write the MCAP file of one that has ended to a new file; return its path.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             target: The file to be; it is not there yet.
 
         Raises:
@@ -83,7 +83,7 @@ class AsyncFilesClient(ClientPart):
         """Write one that has ended as CSV to a new file; return its path.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             target: The file to be; it is not there yet.
             channels: Channels, or channels with a field, e.g. `joint_states/position`;
                 all when there is none.
@@ -111,7 +111,7 @@ class AsyncFilesClient(ClientPart):
         """Write a note into one that has ended; it becomes an event of the file.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             text: The note.
             time: Station time of the moment, or of the begin of the range [s].
             until: Station time of the end of the range [s]; None for a moment.
@@ -124,7 +124,7 @@ class AsyncFilesClient(ClientPart):
         """Read a part of one that has ended as a test of a joint, and keep the run.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             part: Controller, joint, kind of the test, begin and end.
         """
         path = self._of(identifier, "bench")
@@ -134,7 +134,7 @@ class AsyncFilesClient(ClientPart):
 class AsyncRecordingsClient(AsyncFilesClient):
     """Recordings of every cycle on the station's disk: `client.recordings`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/recordings"
@@ -153,7 +153,7 @@ class AsyncRecordingsClient(AsyncFilesClient):
         """End a recording; its file is whole then.
 
         Args:
-            identifier: Which one; the one that runs when None.
+            identifier: Id or name of the recording; the running one when None.
 
         Raises:
             LookupError: None runs.
@@ -198,7 +198,7 @@ class AsyncIncidentsClient(AsyncFilesClient):
 class AsyncBenchRunsClient(NamedThings[BenchResponse]):
     """Runs of the bench that the station keeps: `client.bench_runs`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/bench-runs"
@@ -212,7 +212,7 @@ class AsyncBenchRunsClient(NamedThings[BenchResponse]):
 class AsyncLessonsClient(ClientPart):
     """Exercises that the station checks on the student's own run: `client.lessons`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/lessons"
@@ -222,18 +222,18 @@ class AsyncLessonsClient(ClientPart):
         return await self._get(self._path, Lessons, {"person": person})
 
     async def begin(self, name: str, person: str = "") -> Lesson:
-        """Begin a lesson: the station watches what the robot does from now on."""
+        """Begin a lesson: the station watches the robot from now on."""
         request = LessonBeginRequest(person=person)
         return await self._send("POST", self._of(name, "begin"), Lesson, request)
 
     async def check(
         self, name: str, person: str = "", answers: Mapping[str, float] | None = None
     ) -> LessonResult:
-        """Check what was done since the lesson was begun.
+        """Check the robot's motions since the lesson was begun.
 
         Args:
             name: The lesson.
-            person: Whose progress is kept; the bearer of the token when empty.
+            person: Name of the student; the name of the token when empty.
             answers: Worked-out numbers by name, in the units of the lesson.
         """
         request = LessonCheckRequest(person=person, answers=dict(answers or {}))
@@ -243,7 +243,7 @@ class AsyncLessonsClient(ClientPart):
 class AsyncCamerasClient(ClientPart):
     """Cameras that look at the robots: `client.cameras`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/cameras"
@@ -273,7 +273,7 @@ class AsyncCamerasClient(ClientPart):
 class AsyncGainSetsClient(NamedThings[wire.GainSet]):
     """Named sets of gains on the station's disk: `client.gain_sets`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/gain-sets"
@@ -339,7 +339,7 @@ def _chosen(controllers: Sequence[str] | None) -> wire.GainSetRequest:
 class AsyncPlotLayoutsClient(NamedThings[wire.PlotLayout]):
     """Named layouts of plots on the station's disk: `client.plot_layouts`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/plot-layouts"
@@ -374,7 +374,7 @@ class AsyncPlotLayoutsClient(NamedThings[wire.PlotLayout]):
 class AsyncScenesClient(NamedThings[wire.SavedScene]):
     """Named scenes on the station's disk: `client.scenes`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
 
     Args:
         connection: The connection to the station.
@@ -403,7 +403,7 @@ class AsyncScenesClient(NamedThings[wire.SavedScene]):
 class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
     """Waypoint paths on the station's disk, and their playing: `client.waypoint_paths`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/waypoint-paths"
@@ -430,7 +430,7 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
     async def capture(
         self, name: str, waypoint: str | None = None, duration: float = 2.0
     ) -> wire.WaypointPath:
-        """Add where the joints are now to the end of a path; the first one makes it.
+        """Add the present positions to the end of a path; make the path if it is new.
 
         Args:
             name: The path.
@@ -453,7 +453,7 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
 
         Args:
             name: The path.
-            controller: The trajectory controller; the one that runs when None.
+            controller: The trajectory controller; the running one when None.
             speed: Factor of all speeds, 0.05 to 2.
             loop: Begin again at the end.
         """
@@ -489,7 +489,7 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
 class AsyncExperimentsClient(NamedThings[Experiment]):
     """Experiments that run beside the station: `client.experiments`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/experiments"
@@ -603,7 +603,7 @@ class AsyncAlarmsClient(ClientPart):
     _path = "/alarms"
 
     async def list(self) -> list[wire.Alarm]:
-        """Return the alarms whose cause is there or that nobody has acknowledged."""
+        """Return the alarms that have a cause or are not acknowledged."""
         return (await self._get(self._path, wire.Alarms)).alarms
 
     async def acknowledge(self, number: int) -> wire.Alarm:
@@ -661,11 +661,11 @@ class AsyncAgentsClient(ClientPart):
         number: str,
         verdict: Literal["allowed", "allowed_for_a_time", "refused"],
     ) -> wire.AgentRequest:
-        """Allow or refuse what an agent asks for.
+        """Allow or refuse a request of an agent.
 
         Args:
             number: `number` of the request.
-            verdict: `allowed_for_a_time` also allows what comes in the next 10 min.
+            verdict: `allowed_for_a_time` also allows the requests of the next 10 min.
         """
         return await self._send(
             "POST",

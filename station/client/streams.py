@@ -165,7 +165,7 @@ class AsyncStream:
     `boot_id` in a frame means that the station restarted.
 
     Args:
-        options: Where it comes from.
+        options: Station, topic and rate of the stream.
 
     Raises:
         ApiError: While reading: the station refuses the stream, or the link broke
@@ -371,7 +371,7 @@ class AsyncCommandStream:
     controller does what its `command_timeout` parameters say, as after a lost link.
 
     Args:
-        options: Where the set-points go.
+        options: Station and controller of the stream.
 
     Attributes:
         counts: The station's last report on the set-points it has received; None
@@ -442,14 +442,14 @@ class AsyncCommandStream:
         await self.post(written(values, epoch, rates))
 
     async def post(self, message: str) -> None:
-        """Send a set-point that is written already; raises what `send` raises."""
+        """Send a set-point that is encoded already; raises the errors of `send`."""
         try:
             await self.link().send(message)
         except (OSError, WebSocketException) as error:
             _give_up(error, self.options.base_url)
 
     def link(self) -> ClientConnection:
-        """Return the connection; raise what `send` raises when there is none.
+        """Return the connection; raise the errors of `send` when there is none.
 
         Raises:
             ApiError: The station has ended the stream.

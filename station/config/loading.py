@@ -101,7 +101,7 @@ def load_config(
     environment variables, flags, controller files.
 
     Args:
-        path: The station's YAML file, or what such a file would hold; None takes the
+        path: The station's YAML file, or the content of one; None takes the
             defaults alone.
         controller_files: Parameter files written for ROS, added to `controllers`.
         flags: The values set on the command line by dotted key, such as `api.port`.

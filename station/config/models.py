@@ -43,7 +43,7 @@ FileName = Annotated[str, Field(min_length=1)]
 
 
 def _word_of_switch(value: object) -> object:
-    """Return `off` for what YAML 1.1 makes of the word."""
+    """Return `off` for the value that YAML 1.1 makes of the word."""
     return "off" if value is False else value
 
 
@@ -60,7 +60,7 @@ class _Section(BaseModel):
 
 
 def _within(lower: float, upper: float) -> Callable[[float], float]:
-    """Return a check of a number that names both ends of its range when it refuses."""
+    """Return a check of a number, whose refusal names both ends of the range."""
 
     def check(value: float) -> float:
         if not lower <= value <= upper:
@@ -301,7 +301,7 @@ class AgentsSection(_Section):
     """Programs with a token of the role `agent`.
 
     Attributes:
-        approval: `always`: a person allows each change; `never`: nobody is asked,
+        approval: `always`: a person allows each change; `never`: no person is asked,
             which is possible in a simulation alone that is paused and stepped.
         wait: How long a request waits for a person [s].
         envelope: Bounds of their motions.
@@ -327,7 +327,7 @@ class CameraSection(_Section):
         fov: Angle between the upper and the lower edge of its picture [rad].
         width: Of its picture [px].
         height: Of its picture [px].
-        rate: Pictures per second, at most, while somebody looks [Hz].
+        rate: Pictures per second, at most, while a client reads them [Hz].
     """
 
     frame: str = ""

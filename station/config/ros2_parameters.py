@@ -40,7 +40,7 @@ def read_ros2(
     has its namespace in front of it, as `left_arm`.
 
     Args:
-        files: The content of each; what comes later wins, as in one file.
+        files: The content of each file; later values win, as in one file.
         name: The files, for messages.
         types: Types of controllers that another place names, by name: a launch file of
             ROS 2 may have them.
@@ -142,7 +142,7 @@ def translate(params: Values, place: str) -> Values:
 
     Args:
         params: The parameters, `type` among them.
-        place: Where they are, for messages.
+        place: Name of the file, for messages.
 
     Raises:
         ConfigError: The commanded interfaces fit no controller of the station.

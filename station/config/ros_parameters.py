@@ -33,7 +33,7 @@ class RosParameters:
     Attributes:
         controllers: Parameters of each controller, `type` among them, by name.
         others: All other parameters, by name.
-        paths: Where the file has each of them, with namespaces, by name.
+        paths: Path of each controller in the file, with namespaces, by name.
     """
 
     controllers: dict[str, dict[str, object]] = field(default_factory=dict)

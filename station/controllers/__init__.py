@@ -4,165 +4,103 @@
 of the type is loaded.
 """
 
-CONTROLLERS: dict[str, str] = {
-    "admittance_controller/AdmittanceController": (
-        "station.controllers.admittance_controller:AdmittanceController"
-    ),
-    "battery_state_broadcaster/BatteryStateBroadcaster": (
-        "station.controllers.semantic_sensor_broadcasters:BatteryStateBroadcaster"
-    ),
-    "chained_filter_controller/ChainedFilter": (
-        "station.controllers.chained_filter_controller:ChainedFilter"
-    ),
-    "diff_drive_controller/DiffDriveController": (
-        "station.controllers.diff_drive_controller:DiffDriveController"
-    ),
-    "effort_controllers/GripperActionController": (
-        "station.controllers.gripper_action_controller:EffortGripperActionController"
-    ),
-    "effort_controllers/JointEffortController": (
-        "station.controllers.effort_controllers:JointEffortController"
-    ),
-    "effort_controllers/JointGroupEffortController": (
-        "station.controllers.effort_controllers:JointGroupEffortController"
-    ),
-    "effort_controllers/JointGroupPositionController": (
-        "station.controllers.effort_controllers:JointGroupPositionController"
-    ),
-    "effort_controllers/JointJogController": (
-        "station.controllers.smoothed_motion:EffortJointJogController"
-    ),
-    "effort_controllers/JointStreamingController": (
-        "station.controllers.smoothed_motion:EffortJointStreamingController"
-    ),
+_MODULES = {
+    "admittance_controller/AdmittanceController": "admittance_controller",
+    "battery_state_broadcaster/BatteryStateBroadcaster": "semantic_sensor_broadcasters",
+    "chained_filter_controller/ChainedFilter": "chained_filter_controller",
+    "diff_drive_controller/DiffDriveController": "diff_drive_controller",
+    "effort_controllers/GripperActionController": "gripper_action_controller:Effort",
+    "effort_controllers/JointEffortController": "effort_controllers",
+    "effort_controllers/JointGroupEffortController": "effort_controllers",
+    "effort_controllers/JointGroupPositionController": "effort_controllers",
+    "effort_controllers/JointJogController": "smoothed_motion:Effort",
+    "effort_controllers/JointStreamingController": "smoothed_motion:Effort",
     "effort_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller"
-        ":EffortJointTrajectoryController"
+        "joint_trajectory_controller:Effort"
     ),
-    "effort_controllers/JointPositionController": (
-        "station.controllers.effort_controllers:JointPositionController"
-    ),
-    "effort_controllers/JointVelocityController": (
-        "station.controllers.effort_controllers:JointVelocityController"
-    ),
+    "effort_controllers/JointPositionController": "effort_controllers",
+    "effort_controllers/JointVelocityController": "effort_controllers",
     "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
-        "station.controllers.force_torque_sensor_controller:ForceTorqueSensorBroadcaster"
+        "force_torque_sensor_controller"
     ),
     "force_torque_sensor_controller/ForceTorqueSensorController": (
-        "station.controllers.force_torque_sensor_controller:ForceTorqueSensorController"
+        "force_torque_sensor_controller"
     ),
-    "franka_controllers/CartesianJogController": (
-        "station.controllers.cartesian_motion:CartesianJogController"
-    ),
-    "franka_controllers/CartesianStreamingController": (
-        "station.controllers.cartesian_motion:CartesianStreamingController"
-    ),
+    "franka_controllers/CartesianJogController": "cartesian_motion",
+    "franka_controllers/CartesianStreamingController": "cartesian_motion",
     "franka_example_controllers/CartesianImpedanceExampleController": (
-        "station.controllers.franka_example_controllers:CartesianImpedanceExampleController"
+        "franka_example_controllers"
     ),
     "franka_example_controllers/CartesianPoseExampleController": (
-        "station.controllers.franka_example_controllers:CartesianPoseExampleController"
+        "franka_example_controllers"
     ),
     "franka_example_controllers/CartesianVelocityExampleController": (
-        "station.controllers.franka_example_controllers:CartesianVelocityExampleController"
+        "franka_example_controllers"
     ),
     "franka_example_controllers/DualArmCartesianImpedanceExampleController": (
-        "station.controllers.franka_example_controllers:DualArmCartesianImpedanceExampleController"
+        "franka_example_controllers"
     ),
-    "franka_example_controllers/ElbowExampleController": (
-        "station.controllers.franka_example_controllers:ElbowExampleController"
-    ),
-    "franka_example_controllers/ForceExampleController": (
-        "station.controllers.franka_example_controllers:ForceExampleController"
-    ),
+    "franka_example_controllers/ElbowExampleController": "franka_example_controllers",
+    "franka_example_controllers/ForceExampleController": "franka_example_controllers",
     "franka_example_controllers/JointImpedanceExampleController": (
-        "station.controllers.franka_example_controllers:JointImpedanceExampleController"
+        "franka_example_controllers"
     ),
     "franka_example_controllers/JointPositionExampleController": (
-        "station.controllers.franka_example_controllers:JointPositionExampleController"
+        "franka_example_controllers"
     ),
     "franka_example_controllers/JointVelocityExampleController": (
-        "station.controllers.franka_example_controllers:JointVelocityExampleController"
+        "franka_example_controllers"
     ),
-    "franka_example_controllers/ModelExampleController": (
-        "station.controllers.franka_example_controllers:ModelExampleController"
-    ),
+    "franka_example_controllers/ModelExampleController": "franka_example_controllers",
     "franka_example_controllers/TeleopJointPDExampleController": (
-        "station.controllers.franka_example_controllers:TeleopJointPDExampleController"
+        "franka_example_controllers"
     ),
-    "franka_control/FrankaStateController": (
-        "station.controllers.franka_state_controller:FrankaStateController"
-    ),
-    "gpio_controllers/GpioCommandController": (
-        "station.controllers.gpio_controllers:GpioCommandController"
-    ),
-    "gps_sensor_broadcaster/GPSSensorBroadcaster": (
-        "station.controllers.semantic_sensor_broadcasters:GPSSensorBroadcaster"
-    ),
-    "impedance_controllers/CartesianImpedanceController": (
-        "station.controllers.impedance_controllers:CartesianImpedanceController"
-    ),
-    "impedance_controllers/JointImpedanceController": (
-        "station.controllers.impedance_controllers:JointImpedanceController"
-    ),
-    "imu_sensor_controller/ImuSensorController": (
-        "station.controllers.imu_sensor_controller:ImuSensorController"
-    ),
-    "joint_state_controller/JointStateController": (
-        "station.controllers.joint_state_controller:JointStateController"
-    ),
-    "magnetometer_broadcaster/MagnetometerBroadcaster": (
-        "station.controllers.semantic_sensor_broadcasters:MagnetometerBroadcaster"
-    ),
+    "franka_control/FrankaStateController": "franka_state_controller",
+    "gpio_controllers/GpioCommandController": "gpio_controllers",
+    "gps_sensor_broadcaster/GPSSensorBroadcaster": "semantic_sensor_broadcasters",
+    "impedance_controllers/CartesianImpedanceController": "impedance_controllers",
+    "impedance_controllers/JointImpedanceController": "impedance_controllers",
+    "imu_sensor_controller/ImuSensorController": "imu_sensor_controller",
+    "joint_state_controller/JointStateController": "joint_state_controller",
+    "magnetometer_broadcaster/MagnetometerBroadcaster": "semantic_sensor_broadcasters",
     "parallel_gripper_action_controller/GripperActionController": (
-        "station.controllers.gripper_action_controller:ParallelGripperActionController"
+        "gripper_action_controller:Parallel"
     ),
-    "pid_controller/PidController": (
-        "station.controllers.pid_controller:PidController"
-    ),
+    "pid_controller/PidController": "pid_controller",
     "pos_vel_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller"
-        ":PosVelJointTrajectoryController"
+        "joint_trajectory_controller:PosVel"
     ),
     "pos_vel_acc_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller"
-        ":PosVelAccJointTrajectoryController"
+        "joint_trajectory_controller:PosVelAcc"
     ),
     "position_controllers/GripperActionController": (
-        "station.controllers.gripper_action_controller:PositionGripperActionController"
+        "gripper_action_controller:Position"
     ),
-    "position_controllers/JointGroupPositionController": (
-        "station.controllers.position_controllers:JointGroupPositionController"
-    ),
-    "position_controllers/JointJogController": (
-        "station.controllers.smoothed_motion:PositionJointJogController"
-    ),
-    "position_controllers/JointStreamingController": (
-        "station.controllers.smoothed_motion:PositionJointStreamingController"
-    ),
+    "position_controllers/JointGroupPositionController": "position_controllers",
+    "position_controllers/JointJogController": "smoothed_motion:Position",
+    "position_controllers/JointStreamingController": "smoothed_motion:Position",
     "position_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller"
-        ":PositionJointTrajectoryController"
+        "joint_trajectory_controller:Position"
     ),
-    "position_controllers/JointPositionController": (
-        "station.controllers.position_controllers:JointPositionController"
-    ),
-    "range_sensor_broadcaster/RangeSensorBroadcaster": (
-        "station.controllers.semantic_sensor_broadcasters:RangeSensorBroadcaster"
-    ),
-    "velocity_controllers/JointGroupVelocityController": (
-        "station.controllers.velocity_controllers:JointGroupVelocityController"
-    ),
+    "position_controllers/JointPositionController": "position_controllers",
+    "range_sensor_broadcaster/RangeSensorBroadcaster": "semantic_sensor_broadcasters",
+    "velocity_controllers/JointGroupVelocityController": "velocity_controllers",
     "velocity_controllers/JointTrajectoryController": (
-        "station.controllers.joint_trajectory_controller"
-        ":VelocityJointTrajectoryController"
+        "joint_trajectory_controller:Velocity"
     ),
-    "velocity_controllers/JointPositionController": (
-        "station.controllers.velocity_controllers:JointPositionController"
-    ),
-    "velocity_controllers/JointVelocityController": (
-        "station.controllers.velocity_controllers:JointVelocityController"
-    ),
+    "velocity_controllers/JointPositionController": "velocity_controllers",
+    "velocity_controllers/JointVelocityController": "velocity_controllers",
 }
+"""Module of each type, whose class has the name of the type: after `:`, what stands
+before that name, because classes of several packages share the module."""
+
+
+def _class_of(controller_type: str) -> str:
+    module, _, prefix = _MODULES[controller_type].partition(":")
+    name = controller_type.rpartition("/")[2]
+    return f"{__name__}.{module}:{prefix}{name}"
+
+
+CONTROLLERS: dict[str, str] = {each: _class_of(each) for each in _MODULES}
 
 __all__ = ["CONTROLLERS"]

@@ -1,4 +1,4 @@
-"""Filter states, and export what comes out for other controllers.
+"""Filter states, and export the filtered values for other controllers.
 
 Source: ros2_controllers@6.x chained_filter_controller/src/chained_filter.cpp.
 """
@@ -10,7 +10,7 @@ from typing import ClassVar
 from typing_extensions import override
 
 from station.core.control.chainable_controller import ChainableController, ExportedState
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import declare_mappings, declare_strings
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces import (
     ForceTorqueSensorInterface,
@@ -25,21 +25,16 @@ from station.core.toolbox.filters import FilterChain
 from station.core.toolbox.state_interfaces import find_state
 from station.memory.doubles import zeros
 
-_INPUTS = DeclaredParameter(
-    name="input_interfaces",
-    type=ParameterType.STRINGS,
-    description="the states that are filtered, e.g. `joint1/position`",
+_INPUTS = declare_strings(
+    "input_interfaces", "the states that are filtered, e.g. `joint1/position`"
 )
-_OUTPUTS = DeclaredParameter(
-    name="output_interfaces",
-    type=ParameterType.STRINGS,
-    description="names of the exported states, one for each input",
+_OUTPUTS = declare_strings(
+    "output_interfaces", "names of the exported states, one for each input"
 )
-_CHAIN = DeclaredParameter(
-    name="filter_chain",
-    type=ParameterType.MAPPINGS,
+_CHAIN = declare_mappings(
+    "filter_chain",
+    "filters of all inputs; else `<input>/filter_chain`",
     default_text="that of each input",
-    description="filters of all inputs; else `<input>/filter_chain`",
 )
 
 

@@ -1,4 +1,4 @@
-"""Publish what force-torque sensors measure: all at a rate, or one filtered.
+"""Publish the readings of force-torque sensors: all at a rate, or one filtered.
 
 Source: ros_controllers@678b92a force_torque_sensor_controller/src/
 force_torque_sensor_controller.cpp; ros2_controllers@4.x
@@ -12,7 +12,12 @@ from typing import ClassVar, NamedTuple
 from typing_extensions import override
 
 from station.core.control.controller import PUBLISH_RATE, Controller
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_mappings,
+    declare_number,
+    declare_string,
+)
 from station.core.hardware.interfaces import (
     ForceTorqueSensorInterface,
 )
@@ -80,33 +85,22 @@ class ForceTorqueSensorController(Controller[ForceTorqueSensorInterface]):
         return {name: wrench._asdict() for name, wrench in self.wrenches.items()}
 
 
-SENSOR_NAME = DeclaredParameter(
-    name="sensor_name", type=ParameterType.STRING, description="the sensor"
-)
-FRAME_ID = DeclaredParameter(
-    name="frame_id",
-    type=ParameterType.STRING,
-    default="",
-    description="name of the frame of the published values",
-)
+SENSOR_NAME = declare_string("sensor_name", "the sensor")
+FRAME_ID = declare_string("frame_id", "name of the frame of the published values", "")
 """Two parameters that every broadcaster of one sensor has."""
-_FILTERS = DeclaredParameter(
-    name="sensor_filter_chain",
-    type=ParameterType.MAPPINGS,
-    default_text="none",
-    description="filters of what is measured",
+_FILTERS = declare_mappings(
+    "sensor_filter_chain", "filters of what is measured", default_text="none"
 )
 _AXES = tuple(f"{kind}/{axis}" for kind in ("force", "torque") for axis in "xyz")
 
 
 def _corrections(name: str, default: float, text: str) -> list[DeclaredParameter]:
     return [
-        DeclaredParameter(
-            name=f"{name}/{axis}",
-            type=ParameterType.NUMBER,
-            unit="" if name == "multiplier" else "N" if "force" in axis else "Nm",
-            default=default,
-            description=text,
+        declare_number(
+            f"{name}/{axis}",
+            text,
+            default,
+            "" if name == "multiplier" else "N" if "force" in axis else "Nm",
         )
         for axis in _AXES
     ]
@@ -119,7 +113,7 @@ _MULTIPLIER = _corrections("multiplier", 1.0, "factor of what is measured and ad
 class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
     """Publishes one sensor in every cycle, as it is and filtered; commands nothing.
 
-    What is published is `(measured + offset) * multiplier`.
+    The published value is `(measured + offset) * multiplier`.
 
     Source:
         ForceTorqueSensorBroadcaster; differs: a robot has whole sensors, so that

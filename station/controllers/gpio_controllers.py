@@ -8,7 +8,11 @@ from typing import ClassVar, TypeVar
 from typing_extensions import override
 
 from station.core.control.controller import MultiInterfaceController
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_mappings,
+    declare_strings,
+)
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces import (
     GpioCommandInterface,
@@ -25,22 +29,14 @@ from station.core.ports.set_point import (
     timeout_parameters,
 )
 
-_GPIOS = DeclaredParameter(
-    name="gpios",
-    type=ParameterType.STRINGS,
-    description="names of the inputs and outputs",
+_GPIOS = declare_strings("gpios", "names of the inputs and outputs")
+_COMMANDS = declare_mappings(
+    "command_interfaces", "`<gpio>/interfaces`: what is commanded", default_text="none"
 )
-_COMMANDS = DeclaredParameter(
-    name="command_interfaces",
-    type=ParameterType.MAPPINGS,
-    default_text="none",
-    description="`<gpio>/interfaces`: what is commanded",
-)
-_STATES = DeclaredParameter(
-    name="state_interfaces",
-    type=ParameterType.MAPPINGS,
+_STATES = declare_mappings(
+    "state_interfaces",
+    "`<gpio>/interfaces`: what is published",
     default_text="all of the gpios",
-    description="`<gpio>/interfaces`: what is published",
 )
 
 

@@ -1,4 +1,4 @@
-"""Publish what the robot's inertial measurement units measure at a fixed rate.
+"""Publish the readings of inertial measurement units at a fixed rate.
 
 Source: ros_controllers@678b92a imu_sensor_controller/src/imu_sensor_controller.cpp;
 sensor_msgs/Imu.msg.

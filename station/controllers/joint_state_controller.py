@@ -9,25 +9,23 @@ from collections.abc import Mapping
 from typing_extensions import override
 
 from station.core.control.controller import PUBLISH_RATE, Controller, JointStates
-from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
+from station.core.declared_parameter import NameKind, declare_mappings, declare_strings
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.parameters import Parameters
 from station.core.toolbox.publish_timer import PublishTimer
 
-_JOINTS = DeclaredParameter(
-    name="joints",
-    type=ParameterType.STRINGS,
+_JOINTS = declare_strings(
+    "joints",
+    "the published joints, in this order",
     names=NameKind.JOINT,
     default_text="all of the robot",
-    description="the published joints, in this order",
 )
-_EXTRA_JOINTS = DeclaredParameter(
-    name="extra_joints",
-    type=ParameterType.MAPPINGS,
-    default=(),
-    description="list of `{name, position, velocity, effort}`: constant values for "
+_EXTRA_JOINTS = declare_mappings(
+    "extra_joints",
+    "list of `{name, position, velocity, effort}`: constant values for "
     "joints that the robot does not report",
+    (),
 )
 _logger = logging.getLogger(__name__)
 

@@ -1,4 +1,4 @@
-"""Publish what range sensors, magnetometers, satellite receivers and batteries measure.
+"""Publish readings of range sensors, magnetometers, satellite receivers, batteries.
 
 Source: ros2_controllers@6.x range_sensor_broadcaster, magnetometer_broadcaster,
 gps_sensor_broadcaster, battery_state_broadcaster; sensor_msgs Range.msg,
@@ -13,7 +13,14 @@ from typing_extensions import override
 
 from station.controllers.force_torque_sensor_controller import FRAME_ID, SENSOR_NAME
 from station.core.control.controller import Controller
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    ParameterType,
+    declare_boolean,
+    declare_number,
+    declare_numbers,
+    declare_strings,
+)
 from station.core.errors import ParameterError, ResourceNotFoundError, suggest
 from station.core.hardware.interfaces import (
     BatterySensorInterface,
@@ -26,23 +33,9 @@ from station.core.hardware.interfaces.resource_manager import HardwareResourceMa
 from station.core.parameters import Parameters
 
 
-def _number(name: str, default: float, unit: str, text: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBER,
-        unit=unit,
-        default=default,
-        description=text,
-    )
-
-
 def _covariance(name: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBERS,
-        default=(0.0,) * 9,
-        size=9,
-        description="covariance, row-major about x, y, z",
+    return declare_numbers(
+        name, "covariance, row-major about x, y, z", (0.0,) * 9, size=9
     )
 
 
@@ -92,11 +85,15 @@ class RangeSensorBroadcaster(ValuesBroadcaster):
     topic = "range"
     fields: ClassVar = {"range": "range"}
     constants: ClassVar = {
-        "radiation_type": _number("radiation_type", 0.0, "", "0: sound, 1: infrared"),
-        "field_of_view": _number("field_of_view", 0.52, "rad", "size of the arc"),
-        "min_range": _number("min_range", 0.52, "m", "smallest distance"),
-        "max_range": _number("max_range", 4.0, "m", "largest distance"),
-        "variance": _number("variance", 0.0, "m^2", "variance of the distance"),
+        "radiation_type": declare_number(
+            "radiation_type", "0: sound, 1: infrared", 0.0
+        ),
+        "field_of_view": declare_number(
+            "field_of_view", "size of the arc", 0.52, "rad"
+        ),
+        "min_range": declare_number("min_range", "smallest distance", 0.52, "m"),
+        "max_range": declare_number("max_range", "largest distance", 4.0, "m"),
+        "variance": declare_number("variance", "variance of the distance", 0.0, "m^2"),
     }
     own_parameters = (*constants.values(),)
 
@@ -111,7 +108,7 @@ class RangeSensorBroadcaster(ValuesBroadcaster):
 
 
 class MagnetometerBroadcaster(ValuesBroadcaster):
-    """Publishes what a magnetometer measures, as sensor_msgs/MagneticField."""
+    """Publishes the readings of a magnetometer, as sensor_msgs/MagneticField."""
 
     hardware_interface: ClassVar[type] = MagneticFieldSensorInterface
     topic = "magnetic_field"
@@ -127,11 +124,10 @@ class MagnetometerBroadcaster(ValuesBroadcaster):
 _COVARIANCES = tuple(
     f"{each}_covariance" for each in ("latitude", "longitude", "altitude")
 )
-_READS_COVARIANCE = DeclaredParameter(
-    name="read_covariance_from_interface",
-    type=ParameterType.BOOLEAN,
+_READS_COVARIANCE = declare_boolean(
+    "read_covariance_from_interface",
+    "whether the sensor measures the covariance",
     default=False,
-    description="whether the sensor measures the covariance",
 )
 _DIAGONAL_KNOWN, _KNOWN = 2, 3
 """Numbers of sensor_msgs/NavSatFix."""
@@ -172,11 +168,7 @@ class GPSSensorBroadcaster(ValuesBroadcaster):
         self.messages = {self.topic: message}
 
 
-_BATTERIES = DeclaredParameter(
-    name="batteries",
-    type=ParameterType.STRINGS,
-    description="the batteries",
-)
+_BATTERIES = declare_strings("batteries", "the batteries")
 _MEANS = ("temperature", "current", "percentage")
 """Of several batteries the means are published; charges and capacities are added."""
 _FLAGS = (*_MEANS, "charge", "power_supply_status", "power_supply_health", "present")
@@ -235,7 +227,7 @@ class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
 
 
 class _Battery:
-    """One battery: what is measured, and what its parameters say."""
+    """One battery: measured values, and those of its parameters."""
 
     def __init__(
         self,
@@ -273,7 +265,7 @@ class _Battery:
         }
 
     def message(self, time: float) -> dict[str, Any]:
-        """Return the state of the battery; NaN for what is not known.
+        """Return the state of the battery; NaN for unknown values.
 
         Args:
             time: Station time [s].

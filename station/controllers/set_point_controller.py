@@ -25,7 +25,8 @@ from station.core.declared_parameter import (
     EACH_JOINT,
     DeclaredParameter,
     NameKind,
-    ParameterType,
+    declare_string,
+    declare_strings,
 )
 from station.core.description.robot_description import (
     JointDescription,
@@ -55,17 +56,9 @@ from station.memory.vectors import copy_into
 
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 
-JOINT = DeclaredParameter(
-    name="joint",
-    type=ParameterType.STRING,
-    names=NameKind.JOINT,
-    description="the joint",
-)
-JOINTS = DeclaredParameter(
-    name="joints",
-    type=ParameterType.STRINGS,
-    names=NameKind.JOINT,
-    description="the joints, in the order of the set-points",
+JOINT = declare_string("joint", "the joint", names=NameKind.JOINT)
+JOINTS = declare_strings(
+    "joints", "the joints, in the order of the set-points", names=NameKind.JOINT
 )
 
 
@@ -206,7 +199,7 @@ class DirectLaw(CommandLaw):
 
     Args:
         desired: Desired values, shape (n,).
-        commands: Where the commands are written, shape (n,).
+        commands: Receives the commands, shape (n,).
         errors: Compares the desired with the measured values for the sample; None for
             no comparison.
     """
@@ -266,7 +259,7 @@ class SetPointUpdate:
         set_point: The set-point.
         joints: The joints.
         law: Computes the commands.
-        sampled: Keeps what was done.
+        sampled: Keeps the sample of the update.
 
     Attributes:
         period: Time between the last two cycles [s].
@@ -314,9 +307,9 @@ class JointPidGroup:
         gains: First gains, in the same order.
         error: The quantity whose error the PIDs reduce.
         command: The quantity that the PIDs compute.
-        commands: Where the commands are written, shape (n,); None for new memory.
-        errors: Where the errors are found, shape (n,); None for new memory.
-        rates: Where the rates of the errors are found, shape (n,); None for new memory.
+        commands: Receives the commands, shape (n,); None for new memory.
+        errors: Receives the errors, shape (n,); None for new memory.
+        rates: Receives the rates of the errors, shape (n,); None for new memory.
 
     Attributes:
         errors: Set-points minus measured values, in the unit of the error, shape (n,);
@@ -423,7 +416,7 @@ class JointPidGroup:
     def _keep_integral_part(
         self, index: int, before: PidGains, after: PidGains
     ) -> None:
-        """Let the integral part of one joint's command go on from where it is.
+        """Keep the integral part of one joint's command.
 
         The integral part often carries a load. If the integral itself stayed, twice the
         gain would be twice the torque in the next cycle.
@@ -568,7 +561,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         )
 
     def rest(self) -> list[float]:
-        """Return the set-point at which the joints rest where they are, shape (n,)."""
+        """Return the set-point at which the joints keep their positions, shape (n,)."""
         if self.quantity is JointQuantity.POSITION:
             return self.group.get_positions()
         return [0.0] * len(self.joints)
@@ -640,10 +633,10 @@ class ForwardCommandController(ForwardJointGroupCommandController[CommandInterfa
 class JointPidController(JointSetPointController[CommandInterfaceT]):
     """Commands the output of one PID per joint for the error of the set-point.
 
-    The error of a position is the way that the joint can go, see `set_wrapping`; the
-    limits come from the robot description, without which positions are not controlled.
-    A set-point of positions may include velocities; the derivative gain then acts on
-    the difference to these velocities.
+    The error of a position is the distance that the joint can turn, see
+    `set_wrapping`; the limits come from the robot description, without which positions
+    are not controlled. A set-point of positions may include velocities; the derivative
+    gain then acts on the difference to these velocities.
 
     Parameters: those of the base class, and the gains of every joint, see
     `PidGains.of_joints`.
@@ -728,7 +721,7 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
 
 
 def set_wrapping(errors: JointErrors, joints: list[JointDescription]) -> None:
-    """Let the errors of positions be the ways that the joints can go.
+    """Let the errors of positions be the distances that the joints can turn.
 
     A continuous joint takes the shorter of the two ways round, a revolute joint the
     shortest way that stays within its limits.

@@ -5,8 +5,9 @@ API shows it to people who want to load such a controller.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from enum import Enum
+from functools import partial
 from math import inf
 from typing import NoReturn
 
@@ -39,7 +40,7 @@ class NameKind(Enum):
     CONTROLLER = "controller"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class DeclaredParameter:
     """A parameter that a controller reads when it is loaded.
 
@@ -47,13 +48,13 @@ class DeclaredParameter:
     does not allow. Not for the control thread.
 
     Attributes:
+        type: Type of the value.
         name: Path below the namespace of the controller, e.g. `constraints/goal_time`;
             `<joint>` in the path stands for the name of each joint.
-        type: Type of the value.
         description: Purpose, a phrase without a full stop.
-        unit: Unit of the numbers, where joints are concerned that of rotating joints;
-            empty for what has no unit.
         default: Value when the parameter is absent; None when there is no fixed one.
+        unit: Unit of the numbers, where joints are concerned that of rotating joints;
+            empty without a unit.
         default_text: How the default follows from the robot or other parameters; empty
             when the default is fixed or the parameter is required.
         minimum: Smallest number allowed.
@@ -67,11 +68,12 @@ class DeclaredParameter:
         ValueError: Default and choices contradict each other.
     """
 
-    name: str
     type: ParameterType
+    name: str
     description: str
-    unit: str = ""
     default: float | bool | str | tuple[float, ...] | tuple[str, ...] | None = None
+    unit: str = ""
+    _: KW_ONLY
     default_text: str = ""
     minimum: float = -inf
     excludes_minimum: bool = False
@@ -218,7 +220,7 @@ class DeclaredParameter:
 
         Args:
             params: The namespace in which the parameter is declared.
-            value: The value, as it is shown.
+            value: The value, as text for the message.
             allowed: Allowed values, after the words "it must be".
 
         Raises:
@@ -246,3 +248,12 @@ class DeclaredParameter:
             )
             if too_small or value > self.maximum:
                 self.refuse(params, shown, self.allowed())
+
+
+# A declaration of each type: name, description, and default and unit if there are any.
+declare_boolean = partial(DeclaredParameter, ParameterType.BOOLEAN)
+declare_mappings = partial(DeclaredParameter, ParameterType.MAPPINGS)
+declare_number = partial(DeclaredParameter, ParameterType.NUMBER)
+declare_numbers = partial(DeclaredParameter, ParameterType.NUMBERS)
+declare_string = partial(DeclaredParameter, ParameterType.STRING)
+declare_strings = partial(DeclaredParameter, ParameterType.STRINGS)

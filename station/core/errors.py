@@ -84,7 +84,7 @@ def show(value: object) -> str:
 
 
 def suggest(name: str, known: Iterable[str]) -> str:
-    """Return a sentence about the names that somebody may have meant with `name`.
+    """Return a sentence about known names that resemble `name`.
 
     A few names are all listed; of many, the nearest three, and how many there are.
 
@@ -393,7 +393,7 @@ class NothingToUndoError(StationError):
 
 
 class GainsChangedError(StationError):
-    """The gains were changed by somebody else since they were read."""
+    """The gains have changed since they were read."""
 
     code = "gains_changed"
 
@@ -486,7 +486,7 @@ class ConfigError(ParameterError):
     """A configuration cannot be read, or holds something that is not allowed.
 
     Args:
-        problems: One sentence each: where, which key, its value, what is allowed.
+        problems: One sentence each: place, key, value and allowed values.
         remedy: Advice to the user.
 
     Attributes:

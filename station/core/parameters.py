@@ -139,7 +139,7 @@ class Parameters:
     Args:
         tree: The tree; None makes an empty one.
         path: The namespace.
-        reads: Where the full path of everything is noted that is read through this view
+        reads: Receives the full path of each parameter that is read through this view
             and its namespaces; None to note nothing.
     """
 
@@ -285,7 +285,7 @@ def unknown_parameters(
 
     Args:
         params: The namespace.
-        known: Full paths of the parameters that are known; what is below one is known.
+        known: Full paths of the known parameters; every path below one is known.
 
     Returns:
         The path of each below the namespace, and a sentence about the names that may

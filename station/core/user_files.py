@@ -141,7 +141,7 @@ def changing(
 
     Raises:
         OSError: The folder cannot be used.
-        TimeoutError: Somebody else changes it for too long; an `OSError`, too.
+        TimeoutError: Another process changes it for too long; an `OSError`, too.
     """
     make_private_folder(folder)
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)

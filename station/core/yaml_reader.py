@@ -222,7 +222,7 @@ def parse_yaml(text: str, name: str, kind: TextKind = FILE) -> YamlDocument:
     Args:
         text: The YAML text.
         name: Stands for the file in messages.
-        kind: Where the text comes from.
+        kind: Kind of the text's source.
 
     Raises:
         ConfigError: The text is not YAML, or holds something that is refused; the

@@ -1,6 +1,6 @@
 """Alarms: conditions that ask for a person, kept until they are gone and seen.
 
-An alarm stays in the list until its cause is gone and somebody has acknowledged it, in
+An alarm stays in the list until its cause is gone and a person has acknowledged it, in
 either order, as in ISA-18.2. Acknowledging says "seen"; it clears and moves nothing.
 """
 
@@ -29,11 +29,11 @@ class AlarmNotFoundError(StationError, KeyError):
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """Condition that asks for a person, as it is now.
+    """Present condition that asks for a person.
 
     Attributes:
         subject: Part in trouble, e.g. `stop`, `robot panda` or `controller joint_7`.
-        severity: `ERROR` for a failure, `WARNING` for what somebody wanted.
+        severity: `ERROR` for a failure, `WARNING` for a wanted state, such as a stop.
         text: The problem, a sentence for people.
         remedy: Advice to the user, in full sentences.
     """
@@ -153,7 +153,7 @@ class Alarms:
         return alarm
 
     def _keep(self, alarm: Alarm) -> None:
-        """Put a changed alarm into the list, or take it out when it is done with."""
+        """Put a changed alarm into the list, or remove one that is over."""
         self._alarms[alarm.id] = alarm
         # Gone and seen: only the event log keeps it.
         if alarm.cleared_at is not None and alarm.acknowledged_at is not None:

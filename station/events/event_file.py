@@ -73,7 +73,7 @@ class EventFile:
         return int(found or 0)
 
     def append(self, events: Sequence[Event]) -> None:
-        """Write events, all of them or none; those that are there already stay.
+        """Write events, all of them or none; events with a known number stay.
 
         Raises:
             sqlite3.Error: They cannot be written.
@@ -110,8 +110,8 @@ class EventFile:
         Args:
             after: Number of the last event that the reader has, >= 0.
             limit: Most events that are returned, >= 1.
-            kinds: Only these; all when empty.
-            severity: Only those of at least this severity.
+            kinds: Kinds of the events; all when empty.
+            severity: Least severity of the events.
 
         Raises:
             sqlite3.Error: The file cannot be read.
@@ -130,8 +130,8 @@ class EventFile:
         Args:
             before: Only events with smaller numbers, >= 1.
             limit: Most events that are returned, >= 1.
-            kinds: Only these; all when empty.
-            severity: Only those of at least this severity.
+            kinds: Kinds of the events; all when empty.
+            severity: Least severity of the events.
 
         Raises:
             sqlite3.Error: The file cannot be read.

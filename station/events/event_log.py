@@ -53,7 +53,7 @@ class EventLogState:
 
 
 class EventLog:
-    """Takes events from any thread, tells listeners, keeps the events on disk.
+    """Takes events from any thread, calls listeners, keeps the events on disk.
 
     Recording takes a lock for some microseconds and never touches the disk. It is not
     for the control thread, which must not take locks at all.
@@ -123,7 +123,7 @@ class EventLog:
             severity: How much it asks for attention.
             what: Method and route, or the subject.
             result: How it ended, in one or two words.
-            details: More facts; what JSON does not have is kept as text.
+            details: More facts; types that JSON does not have are kept as text.
             origin: Person or program that did it, and its address.
         """
         stamp, cycle = self._station_time()
@@ -209,8 +209,8 @@ class EventLog:
         Args:
             after: Number of the last event that the reader has; 0 for none.
             limit: Most events that are returned, >= 1.
-            kinds: Only these; all when empty.
-            severity: Only those of at least this severity.
+            kinds: Kinds of the events; all when empty.
+            severity: Least severity of the events.
         """
         with self._lock:
             file = None if self._covers(after) else self._file
@@ -245,8 +245,8 @@ class EventLog:
 
         Args:
             limit: Most events that are returned, >= 1.
-            kinds: Only these; all when empty.
-            severity: Only those of at least this severity.
+            kinds: Kinds of the events; all when empty.
+            severity: Least severity of the events.
         """
         with self._lock:
             recent, file = list(self._recent), self._file

@@ -27,7 +27,7 @@ class _Window:
 class Repeats:
     """Passes events on to a log, and counts those that repeat. Any thread.
 
-    A program that sends set-points a thousand times a second, or somebody who tries
+    A program that sends set-points a thousand times a second, or a client that tries
     tokens, would otherwise push everything else out of the log. Nothing is left out:
     the number of the repeats is recorded when their window ends.
 

@@ -36,7 +36,7 @@ _ADVICE = (
 class StateWatcher:
     """Records changes of a station's state. One thread, or `look` called by hand.
 
-    It reads what any thread may read: the newest snapshot, the stop, the list of
+    It reads only what is safe in any thread: the newest snapshot, the stop, the list of
     controllers. A state that lasts less than `LOOK_PERIOD` is not seen.
 
     Args:
@@ -239,7 +239,7 @@ class StateWatcher:
 class _Bursts:
     """Tells missed deadlines that come close to each other as one event.
 
-    The first burst says what to do. Later ones are counted and reported together.
+    The first burst is reported with a remedy, later ones together by their number.
     """
 
     def __init__(self, log: EventLog, skipped: int) -> None:

@@ -1,8 +1,8 @@
 """Run one experiment for a station, in a process of its own at low priority.
 
-The first line of the standard input is what to do, as JSON; the process ends at once
-when that input ends, which is when the station has ended. It tells how far it is in
-lines of JSON. SIGINT ends the experiment; the trials that run may end.
+The first line of the standard input is the experiment, as JSON; the process ends at
+once when that input ends, which is when the station has ended. It tells how far it is
+in lines of JSON. SIGINT ends the experiment; the trials that run may end.
 """
 
 import json
@@ -34,7 +34,7 @@ class Reporter:
 
     Args:
         results: The experiment.
-        told: Where the lines go.
+        told: Receives the lines of the report.
     """
 
     def __init__(self, results: Results, told: IO[str]) -> None:

@@ -35,8 +35,8 @@ class ClusterExecutor(Executor):
         worker_losses: Error of a future of which worker after worker has died.
 
     Raises:
-        ExperimentError: The address is none, the scheduler does not answer, or has no
-            worker that fits.
+        ExperimentError: The address is malformed, the scheduler does not answer, or
+            has no worker that fits.
     """
 
     worker_losses: ClassVar[tuple[type[BaseException], ...]] = (KilledWorker,)

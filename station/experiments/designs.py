@@ -34,7 +34,7 @@ class Range:
 
     Raises:
         UnknownParameterError: There is no such parameter.
-        ImpossibleRangeError: The range is empty or leaves what is allowed.
+        ImpossibleRangeError: The range is empty or beyond the allowed one.
     """
 
     name: str

@@ -76,14 +76,14 @@ class Mechanics:
         return str(self._model.body(self._carrier).name)
 
     def restore(self) -> None:
-        """Put the model back as it was, bit for bit."""
+        """Restore the original values of the model, bit for bit."""
         for name, value in self._pristine.items():
             getattr(self._model, name)[...] = value
 
     def change(
         self, load: float, friction: Mapping[str, float], damping: Mapping[str, float]
     ) -> None:
-        """Change the model as it was; `restore` comes first.
+        """Change the original model; call `restore` first.
 
         Args:
             load: Mass at the centre of mass of the carrier [kg], >= 0. Neither the
@@ -153,8 +153,8 @@ def _carrier(model: mujoco.MjModel, body: int) -> int:
 class CommandDelay:
     """Lets a robot receive the commands of its joints some cycles late.
 
-    What the arm does by itself, such as holding its pose, is not delayed: the delay is
-    that of the way from the controllers to the robot.
+    The arm's own control, such as that which holds its pose, is not delayed: the delay
+    is that of the way from the controllers to the robot.
 
     Args:
         loop: The robot's loop; while there is a delay, it sends older commands.
@@ -210,7 +210,7 @@ class MeasurementNoise:
     inside of a simulated arm do not.
 
     Args:
-        loop: The robot's loop; while there is noise, it adds it to what it reads.
+        loop: The robot's loop, which adds the noise to its readings.
     """
 
     def __init__(self, loop: ControlLoop) -> None:

@@ -39,14 +39,14 @@ def sweep(
     Args:
         base: The trial that the points change.
         points: Parameters of each trial.
-        results: Where the trials are kept.
-        executor: Where they run.
-        watch: Is told after every trial.
+        results: File of the trials.
+        executor: Runs the trials.
+        watch: Called after every trial.
         has_seeds: Whether each trial has measurement noise of its own: its seed is
             then that of `base` plus its number.
 
     Raises:
-        ExperimentError: Workers die or refuse again and again; what has ended is kept.
+        ExperimentError: Workers die or refuse again and again; ended trials are kept.
     """
     trials = (
         base.with_parameters(point, base.seed + number if has_seeds else None)
@@ -125,8 +125,8 @@ class Experiment(ABC):
         """Run it to its end.
 
         Args:
-            results: Where the trials are kept.
-            executor: Where they run.
+            results: File of the trials.
+            executor: Runs the trials.
             watch: Called after every trial.
 
         Raises:
@@ -234,12 +234,12 @@ def carry_out(
     executor: Executor,
     watch: Watcher = lambda _: None,
 ) -> Progress:
-    """Run an experiment to its end, and note in its results how it ended.
+    """Run an experiment to its end, and note the reason of the end in its results.
 
     Args:
         experiment: Experiment to run.
-        results: Where the trials are kept.
-        executor: Where they run.
+        results: File of the trials.
+        executor: Runs the trials.
         watch: Called after every trial.
 
     Raises:
@@ -363,7 +363,7 @@ def _script(world: TrialWorld, request: ExperimentRequest) -> Script:
 
     Raises:
         UnknownParameterError: The controller has no such joint.
-        ExperimentError: Nothing says what the joints shall do.
+        ExperimentError: There is no script, and no motion can be made up.
         StationError: The controller is not loaded.
     """
     world.gains(request.controller)  # refuses a controller that is not loaded

@@ -51,7 +51,7 @@ class JointModel:
             rotor where the robot measures efforts behind the gear, as a Franka does.
         viscous: Viscous friction [Nm s/rad or N s/m].
         coulomb: Coulomb friction [Nm or N].
-        residual: RMS of what the model does not explain [Nm or N].
+        residual: RMS of the effort that the model does not explain [Nm or N].
         samples: How many samples were fitted.
     """
 

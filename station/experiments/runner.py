@@ -65,8 +65,8 @@ class Runner:
     once more, alone: one whose process dies again has failed, and the others go on.
 
     Args:
-        results: Where the trials are kept.
-        executor: Where they run; its owner shuts it down.
+        results: File of the trials.
+        executor: Runs the trials; its owner shuts it down.
         watch: Called after every trial, when workers were refused or lost, and of
             Ctrl-C.
         sleep: Waits [s] before a trial is given away again.

@@ -45,7 +45,7 @@ class TrialWorld:
     Attributes:
         setup: As given.
         station: The station in which the trials run.
-        begin_positions: Where the joints begin, by name [rad or m].
+        begin_positions: Positions of the joints at the beginning, by name [rad or m].
         robot_digest: Digest of the robot's bodies and joints, which come from files
             beside the setup: worlds with the same digest move alike.
 
@@ -231,7 +231,7 @@ class TrialWorld:
         """Refuse a controller that is not loaded, and say why it is not.
 
         Raises:
-            StationError: The error of its loading, or that there is none.
+            StationError: It was not loaded; the error of its loading, if any.
         """
         not_loaded = self.station.not_loaded.get(controller)
         if not_loaded is not None:
@@ -241,7 +241,7 @@ class TrialWorld:
     def _play(
         self, script: Script, reference: Reference
     ) -> tuple[Trace, Counts, str | None]:
-        """Play the script; return the cycles, the counts, and why it ended early.
+        """Play the script; return cycles, counts, and the reason of an early end.
 
         Raises:
             StationError: The controller runs, and refuses a command.
@@ -344,10 +344,10 @@ def small_motions(
     """Return a motion of each joint of a controller, away from the nearest limit.
 
     Args:
-        world: Where the controller is loaded.
+        world: World in which the controller is loaded.
         controller: Its name.
         times: When the waypoints are reached [s], > 0 and increasing, shape (k,).
-        shares: Where they are, in steps of 0.1 rad or m or of a tenth of the range of
+        shares: Waypoints, in steps of 0.1 rad or m or of a tenth of the range of
             the joint if that is less, shape (k,).
 
     Returns:

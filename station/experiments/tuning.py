@@ -90,7 +90,7 @@ def tunable_gains(
         suffixes: Ends of their names, after a `/`, or whole names.
 
     Raises:
-        UnknownParameterError: There is none.
+        UnknownParameterError: No gain can be tuned.
     """
     found = {
         name: value
@@ -127,8 +127,8 @@ def tune(
             where they begin, > 0.
         goal: Measure by which trials are compared.
         search: How it is done.
-        results: Where the trials are kept.
-        executor: Where they run.
+        results: File of the trials.
+        executor: Runs the trials.
         watch: Called after every trial.
         ranges: Smallest and largest allowed value of gains, by parameter; a gain that
             is not among them may have any.

@@ -1,4 +1,4 @@
-"""Does a robot do what its description says? Checks, and a page of them."""
+"""Checks of a robot against its description, and a page of their results."""
 
 import copy
 import html
@@ -279,7 +279,7 @@ def _played(
     motions: Sequence[Waypoints],
     judge: Callable[[np.ndarray, np.ndarray], tuple[float, float]],
 ) -> Check:
-    """Play some motions and judge the ways of all joints, shape (n,)."""
+    """Play some motions and judge the paths of all joints, shape (n,)."""
     duration = _MOVING_TIME + _RESTING_TIME
     script = Script(controller=name, duration=duration, commands=tuple(motions))
     result, trace = world.record(Trial(world.setup, script))

@@ -44,7 +44,7 @@ class LinkGuard(SceneGuard):
 
         Args:
             name: The name.
-            carried: Names of what the robot carries.
+            carried: Names of the objects that the robot carries.
         """
         del carried
         return [name] if name in self.links() else []

@@ -1,4 +1,4 @@
-"""General-purpose inputs and outputs without hardware: an output has what it is told.
+"""General-purpose inputs and outputs without hardware: an output has its command.
 
 ```yaml
 gpios:
@@ -60,14 +60,14 @@ def read_gpios(params: Parameters) -> tuple[ComponentTag, ...]:
 
 
 class SimulatedGpios:
-    """Inputs keep their initial values; outputs have what was commanded last.
+    """Inputs keep their initial values; outputs have their last command.
 
     Args:
         tags: The inputs and outputs.
 
     Attributes:
         names: `<gpio>/<interface>` of each value, in the order of `states`.
-        states: What each input and output has now; tests may set inputs.
+        states: Present value of each input and output; tests may set inputs.
     """
 
     def __init__(self, tags: Sequence[ComponentTag]) -> None:

@@ -53,7 +53,7 @@ class GainSets(Library[GainSet]):
 
     Args:
         tuning: Reads and changes the gains in force.
-        folder: Where the files are; the user's own folder when None. It is made when
+        folder: Folder of the files; the user's own folder when None. It is made when
             the first set is saved.
     """
 
@@ -69,7 +69,7 @@ class GainSets(Library[GainSet]):
             controllers: Controllers; all loaded controllers when None.
 
         Raises:
-            GainSetError: The name is none, or the file cannot be written.
+            GainSetError: The name is not allowed, or the file cannot be written.
             ControllerNotFoundError: A controller is not loaded.
         """
         if controllers is None:

@@ -19,7 +19,7 @@ class PathPlan:
     Attributes:
         path: Name of the path.
         joints: The joints, n of them.
-        start: Where they are now [rad or m], shape (n,).
+        start: Present positions [rad or m], shape (n,).
         waypoints: The waypoints, k of them.
         states: The states at the waypoints, k of them.
     """
@@ -103,16 +103,16 @@ def plan_path(
     speed: float,
     since: Mapping[str, float] | None = None,
 ) -> PathPlan:
-    """Plan the way from where the joints are to the end of a path.
+    """Plan the motion from the present positions to the end of a path.
 
     Args:
         path: The path.
-        first: Number of the waypoint that is gone to first, from 0.
+        first: Number of the first waypoint, from 0.
         joints: The joints, n of them.
-        start: Where they are [rad or m], shape (n,).
+        start: Present positions [rad or m], shape (n,).
         speed: Factor of all speeds, > 0.
-        since: Where the way to the first waypoint began, by joint, when some of it is
-            done: what is left takes its part of the time. None at its beginning.
+        since: Positions in which the motion to the first waypoint began, by joint, if
+            it is under way: the rest takes its share of the time. None before it.
     """
     waypoints = path.waypoints[first:]
     places, times = [], []
@@ -138,7 +138,7 @@ def _part_left(
     joints: Sequence[str],
     start: Sequence[float],
 ) -> float:
-    """Return the part of the way to a waypoint that is left, 0 to 1."""
+    """Return the share of the motion to a waypoint that is left, 0 to 1."""
     left = whole = 0.0
     for joint, q in zip(joints, start, strict=True):
         end = after.positions.get(joint, q)

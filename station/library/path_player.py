@@ -49,7 +49,7 @@ class _Round:
         goal: The goal.
         begins: Number of the first waypoint of the goal.
         times: When the goal is at each of its waypoints [s], from `begins` on.
-        since: Where the way to the first waypoint of the goal began, by joint.
+        since: First positions of the motion to the goal's first waypoint, by joint.
     """
 
     goal: Goal
@@ -134,7 +134,7 @@ class PathPlayer:
         Args:
             name: The path.
             options: How it is played.
-            receipt: Where the cycle is noted that takes its first goal up.
+            receipt: Notes the cycle that takes its first goal.
 
         Raises:
             WaypointPathNotFoundError: There is no path of that name.
@@ -188,7 +188,7 @@ class PathPlayer:
         return replace(path, waypoints=path.waypoints[: last + 1])
 
     def pause(self) -> Playback:
-        """Let the robot hold where it is, on its way to a waypoint.
+        """Let the robot hold its position between two waypoints.
 
         Raises:
             PathRefusedError: No path plays.
@@ -204,7 +204,7 @@ class PathPlayer:
             return self._active()
 
     def resume(self) -> Playback:
-        """Go on to the waypoint that the robot was on the way to.
+        """Resume the motion to the present waypoint.
 
         Raises:
             PathRefusedError: No path is paused.
@@ -260,7 +260,7 @@ class PathPlayer:
             return self._playback
 
     def _goes_on(self, play: int) -> bool:
-        """Look at a path; return whether it is to be looked at again."""
+        """Advance a path; return whether it has not ended."""
         with self._lock:
             if play != self._play:
                 return False
@@ -319,7 +319,7 @@ class PathPlayer:
                 )
 
     def _since(self) -> Mapping[str, float]:
-        """Return the start of the way to the present waypoint, by joint."""
+        """Return the start of the motion to the present waypoint, by joint."""
         if self._playback is None or self._path is None or self._round is None:
             return {}
         number = self._playback.waypoint

@@ -23,7 +23,7 @@ class PlotLayouts(Library[PlotLayout]):
     """The plot layouts in a folder. Any thread.
 
     Args:
-        folder: Where the files are; the user's own folder when None.
+        folder: Folder of the files; the user's own folder when None.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -43,7 +43,7 @@ class PlotLayouts(Library[PlotLayout]):
             docks: Folds and sizes of the docks; None keeps those of the layout.
 
         Raises:
-            PlotLayoutNotFoundError: The name is none.
+            PlotLayoutNotFoundError: The name is not allowed.
             PlotLayoutError: The file cannot be written.
         """
         with self._files.changing(name):

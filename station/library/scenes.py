@@ -17,7 +17,7 @@ class SavedScenes(Library[SavedScene]):
     """The scenes in a folder. Any thread.
 
     Args:
-        folder: Where the files are; the user's own folder when None.
+        folder: Folder of the files; the user's own folder when None.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -31,7 +31,7 @@ class SavedScenes(Library[SavedScene]):
             objects: The objects.
 
         Raises:
-            SavedSceneNotFoundError: The name is none.
+            SavedSceneNotFoundError: The name is not allowed.
             SavedSceneError: The file cannot be written.
         """
         entries = [dict(one) for one in objects]

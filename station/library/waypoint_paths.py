@@ -37,7 +37,7 @@ class WaypointPaths(Library[WaypointPath]):
     Args:
         loop: The loop, to know the joints and where they are.
         manager: Its controller manager.
-        folder: Where the files are; the user's own folder when None.
+        folder: Folder of the files; the user's own folder when None.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class WaypointPaths(Library[WaypointPath]):
         """Save a path; one of that name is replaced.
 
         Raises:
-            WaypointPathNotFoundError: The name is none.
+            WaypointPathNotFoundError: The name is not allowed.
             WaypointPathError: The file cannot be written.
             InvalidTrajectoryError: A joint is unknown, or a number is impossible.
         """
@@ -61,7 +61,7 @@ class WaypointPaths(Library[WaypointPath]):
     def capture(
         self, name: str, waypoint: str = "", duration: float = 2.0
     ) -> WaypointPath:
-        """Add where the joints are now to the end of a path, and return the path.
+        """Add the present positions to the end of a path, and return the path.
 
         Captured are the joints that loaded trajectory controllers move; without such a
         controller all joints.
@@ -72,7 +72,7 @@ class WaypointPaths(Library[WaypointPath]):
             duration: Time to it from the waypoint before [s], > 0.
 
         Raises:
-            WaypointPathNotFoundError: The name is none.
+            WaypointPathNotFoundError: The name is not allowed.
             WaypointPathError: The file cannot be read or written.
             InvalidTrajectoryError: The duration is impossible, or there are too many.
             LoopError: No cycle has run yet.

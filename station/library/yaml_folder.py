@@ -36,7 +36,7 @@ class FileKind:
     Attributes:
         noun: Noun for an entry in messages, e.g. `gain set`.
         folder: Name of the folder among the data of the control station.
-        not_found: Raised when there is none of a name, or a name is none.
+        not_found: Raised when no file has a name, or a name is not allowed.
         unusable: Raised when a file cannot be read or written, or is malformed.
     """
 
@@ -56,7 +56,7 @@ class YamlFolder:
 
     Args:
         kind: Noun for the entries in messages.
-        folder: Where they are; the user's own folder when None. It is made when the
+        folder: Folder of the files; the user's own one when None. It is made when the
             first file is written.
     """
 
@@ -104,8 +104,8 @@ class YamlFolder:
         """Write a file; one of that name is replaced.
 
         Raises:
-            StationError: The name is none, or the file cannot be written; of the kind's
-                own types.
+            StationError: The name is not allowed, or the file cannot be written; of
+                the kind's own types.
         """
         path = self._path(name)
         text = yaml.safe_dump(dict(data), sort_keys=False)
@@ -127,8 +127,8 @@ class YamlFolder:
         """Delete a file, if there is one.
 
         Raises:
-            StationError: The name is none, or the file cannot be deleted; of the kind's
-                own types.
+            StationError: The name is not allowed, or the file cannot be deleted; of
+                the kind's own types.
         """
         try:
             self._path(name).unlink(missing_ok=True)
@@ -143,8 +143,8 @@ class YamlFolder:
             name: The file that is to be changed.
 
         Raises:
-            StationError: The folder cannot be used, or somebody else changes it for too
-                long; of the kind's own type.
+            StationError: The folder cannot be used, or another process changes it for
+                too long; of the kind's own type.
         """
         with ExitStack() as stack:
             try:
@@ -175,7 +175,7 @@ class Library(Generic[ThingT]):
 
     Args:
         kind: Noun for the things in messages.
-        folder: Where the files are; the user's own folder when None. It is made when
+        folder: Folder of the files; the user's own folder when None. It is made when
             the first thing is saved.
     """
 
@@ -195,7 +195,7 @@ class Library(Generic[ThingT]):
         """Return a thing.
 
         Raises:
-            StationError: There is none of that name, or its file cannot be read or is
+            StationError: No item has that name, or its file cannot be read or is
                 malformed; of the kind's own types.
         """
         data = self._files.read(name)
@@ -213,7 +213,7 @@ class Library(Generic[ThingT]):
         """Delete a thing and return it.
 
         Raises:
-            StationError: There is none of that name, or its file cannot be read or
+            StationError: No item has that name, or its file cannot be read or
                 deleted; of the kind's own types.
         """
         with self._files.changing(name):

@@ -1,10 +1,10 @@
 """Directories of this user's stations, and private files in them.
 
-What ends with a station lies in `$XDG_RUNTIME_DIR/station`, or `station-<uid>` in the
-system's temporary directory; only its user can enter it. The files are written whole
-and read with suspicion.
+Files that end with a station lie in `$XDG_RUNTIME_DIR/station`, or `station-<uid>` in
+the system's temporary directory; only its user can enter it. The files are written
+whole and read with suspicion.
 
-What outlives it lies in `$XDG_STATE_HOME/control-station`, or
+Files that outlive it lie in `$XDG_STATE_HOME/control-station`, or
 `~/.local/state/control-station`, in a directory for each station that runs at the same
 time: `0`, `1`, … A station that starts takes the first that no running station has, so
 that one station always finds its own again.
@@ -69,7 +69,7 @@ def process_start(pid: int) -> str:
 
 
 def is_alive(pid: int, started: str) -> bool:
-    """Return whether a process of this user runs and is the one that is meant.
+    """Return whether a process of this user runs and began at that time.
 
     Args:
         pid: Its number.
@@ -92,7 +92,7 @@ def write_private(name: str, record: _Record) -> Path:
         record: A dataclass of texts and numbers.
 
     Raises:
-        RuntimeDirectoryError: The directory belongs to somebody else, or cannot be
+        RuntimeDirectoryError: The directory belongs to another user, or cannot be
             written.
     """
     directory = runtime_directory()
@@ -115,7 +115,7 @@ def write_private(name: str, record: _Record) -> Path:
 def read_private(path: Path, kind: type[RecordT]) -> RecordT | None:
     """Return the record in a file; None when the file holds something else.
 
-    Any program of the user may have left anything there: a pipe that nobody writes to,
+    Any program of the user may have left anything there: a pipe without a writer,
     a process number that means "everybody", lists a thousand levels deep.
 
     Args:

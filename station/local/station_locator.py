@@ -51,7 +51,7 @@ def write_runtime_file(running: RunningStation) -> Path:
     """Write the runtime file of a station, which its user alone can read.
 
     Raises:
-        RuntimeDirectoryError: The directory belongs to somebody else, or cannot be
+        RuntimeDirectoryError: The directory belongs to another user, or cannot be
             written.
     """
     return write_private(f"{running.pid}.json", running)
@@ -60,10 +60,10 @@ def write_runtime_file(running: RunningStation) -> Path:
 def find_running() -> list[RunningStation]:
     """Return the stations of this user that run, oldest first.
 
-    Files of processes that are gone are removed; what is no such file is ignored.
+    Files of processes that are gone are removed; other files are ignored.
 
     Raises:
-        RuntimeDirectoryError: The directory belongs to somebody else.
+        RuntimeDirectoryError: The directory belongs to another user.
     """
     directory = runtime_directory()
     if not directory.is_dir():

@@ -69,7 +69,7 @@ def trust(url: str, ca: str | os.PathLike[str] | None = None) -> ssl.SSLContext 
         url: The station.
         ca: PEM file with the certificates to trust: an authority's, or the station's
             own. When None it is `STATION_CA`, or else the certificate of the station
-            on this machine, or else what the system trusts.
+            on this machine, or else the system's.
 
     Raises:
         TlsFilesError: A file cannot be read, or holds no certificate.
@@ -94,7 +94,7 @@ def _trust_only(text: str, path: str | os.PathLike[str]) -> ssl.SSLContext:
     """Return a context that trusts the certificates in a PEM text.
 
     Raises:
-        TlsFilesError: There is none.
+        TlsFilesError: The file has no certificate.
     """
     try:
         context = ssl.create_default_context(cadata=text)

@@ -79,7 +79,7 @@ def put(view: Storage, values: Iterable[float]) -> None:
     """Copy values into a view, or into memory for one compiled object alone.
 
     Args:
-        view: Where to, shape (n,).
+        view: Receives the values, shape (n,).
         values: Numbers, shape (n,).
 
     Raises:

@@ -25,7 +25,7 @@ def copy_into(
     """Copy numbers.
 
     Args:
-        target: Where to, shape (>= start + size,).
+        target: Receives the values, shape (>= start + size,).
         start: Index of the first number in `target`.
         source: The numbers, shape (size,); a view if the target is one.
         size: How many there are.
@@ -37,7 +37,7 @@ def copy_into(
 
 
 def differ(first: Doubles, second: Doubles, size: int) -> bool:
-    """Return whether a number is not equal to the other one at its place.
+    """Return whether the two vectors differ in a number.
 
     Args:
         first: Numbers, shape (size,).
@@ -102,3 +102,26 @@ def are_within(numbers: Doubles, shares: Doubles, size: int) -> bool:
             total += relative * relative
         return total <= 1.0
     return hypot(*map(mul, numbers, shares)) <= 1.0
+
+
+class FiniteCheck:
+    """Looks for a number that is not finite.
+
+    Args:
+        memory: The numbers, shape (n,).
+    """
+
+    def __init__(self, memory: Doubles) -> None:
+        self.memory = memory
+        self.size = len(memory)
+
+    def first_bad(self) -> int:
+        """Return the index of the first number that is not finite; -1 for none."""
+        memory, size = self.memory, self.size
+        if are_finite(memory, size):
+            return -1  # all are finite
+        for i in range(size):
+            value = memory[i]
+            if value - value != 0.0:
+                return i
+        return -1

@@ -275,7 +275,7 @@ class Layout:
 class Form:
     """The numbers in messages that have the texts and lengths of one message.
 
-    Reading with a form is one call of `struct`, and skips what nobody wants.
+    Reading with a form is one call of `struct`, and skips unwanted fields.
 
     Args:
         kind: The message type.
@@ -409,7 +409,7 @@ class _Reader:
         return bytes(text).decode()
 
     def pass_over(self, code: str) -> int:
-        """Go past a number; return where it ends.
+        """Skip a number; return the offset of its end.
 
         Raises:
             struct.error: The data end too early.

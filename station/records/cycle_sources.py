@@ -118,7 +118,7 @@ class CycleSource(ABC, Generic[SampleT]):
 class CommandSource(CycleSource[list[bytes]]):
     """The joint commands after `write`: limited, as they went to the robot.
 
-    What controllers asked for is the `output` of their own channels. What filters and
+    Commands of controllers are the `output` of their own channels. What filters and
     rate limits of an arm made of a command is in the state of the arm.
     """
 

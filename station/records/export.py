@@ -24,13 +24,13 @@ _ROWS = 20
 def columns(path: Path, topics: Iterable[str] = ()) -> Columns:
     """Return a recording as columns with one row per cycle.
 
-    A column is called after its channel, its field and what the number belongs to, e.g.
+    A column is called after its channel, its field and the number's joint or axis, e.g.
     `joint_states/position/panda_joint1`; `cycle`, `time`, `period` and `epoch` come
     first. Where a channel has no message in a cycle, its columns are NaN.
 
     Args:
         path: The file.
-        topics: Which channels; all when there is none.
+        topics: Channels; all when empty.
 
     Raises:
         RecordingFileError: The file is no whole recording.
@@ -76,7 +76,8 @@ def csv_pieces(
 
     Raises:
         RecordingFileError: The file is no whole recording; before the first piece.
-        RecordingRefusedError: The recording does not have what is wanted; likewise.
+        RecordingRefusedError: The recording does not have the wanted channels or
+            joints.
     """
     table = RecordingTable(path, choice, pause)
     # Before the first piece: an error after it would cut an answer off.

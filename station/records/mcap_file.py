@@ -85,7 +85,7 @@ class McapFile:
     """Messages of any channels in one file; one thread at a time.
 
     Args:
-        disk: Where the bytes go.
+        disk: Receives the bytes.
 
     Attributes:
         disk: As given.

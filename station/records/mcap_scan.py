@@ -162,7 +162,7 @@ class McapScan:
         return content
 
     def _take(self, at: int) -> int | None:
-        """Take a record in; return where it ends, None when it is damaged."""
+        """Read a record; return the offset of its end, None when it is damaged."""
         body = self._body(at)
         if body is None:
             return None
@@ -259,7 +259,7 @@ class McapScan:
         return entries
 
     def _take_indexes(self, chunk: Chunk) -> int:
-        """Take the indexes that follow a chunk; return where they end."""
+        """Read the indexes after a chunk; return the offset of their end."""
         end, offsets = chunk.end, chunk.index.message_index_offsets
         while len(offsets) < len(chunk.entries):
             body = self._body(end)
@@ -428,7 +428,7 @@ def _ending_is_whole(at: int, ending: bytes) -> bool:
     """Return whether the end of the data, the index and the footer are whole.
 
     Args:
-        at: Where the end of the data begins.
+        at: Offset of the end of the data.
         ending: All from there on.
     """
     size = HEAD.size + 20

@@ -2,7 +2,7 @@
 
 Beside every `ID.mcap` lies `ID.json` with what a list shows, so that no file needs to
 be opened for it. A file is locked while it is written. A description that says
-`recording`, beside a file that nobody has locked, belongs to a station that was killed;
+`recording`, beside a file without a lock, belongs to a station that was killed;
 the file is recovered when the next station starts.
 """
 
@@ -64,7 +64,7 @@ class RecordingInfo:
         lost: Cycles that were overwritten before they could be recorded.
         duration: Station time from its first cycle to its last [s].
         size: Bytes of the file.
-        causes: Why an incident was kept; empty for what a user recorded.
+        causes: Causes of an incident; empty for a recording of a user.
         is_uploaded: Whether it was uploaded as a file instead of recorded here.
     """
 
@@ -108,7 +108,7 @@ class RecordStore:
     """The recordings in a folder. Any thread.
 
     Args:
-        folder: Where the files are; made when the first one is begun.
+        folder: Folder of the files; made when the first one is begun.
         quota: How much it may hold.
         now: Returns the wall time [s since 1970].
     """
@@ -219,7 +219,7 @@ class RecordStore:
         """Return one recording.
 
         Args:
-            identifier: Which one; or its name, if no other one has it.
+            identifier: Id of the recording, or its name if that is unique.
 
         Raises:
             RecordingNotFoundError: There is no such recording.
@@ -292,7 +292,7 @@ class RecordStore:
         """Refuse a name that cannot be a part of a file's name.
 
         Raises:
-            RecordingRefusedError: It cannot; an empty name is none, and allowed.
+            RecordingRefusedError: The name is not allowed; an empty name is.
         """
         if name and not NAME.fullmatch(name):
             raise RecordingRefusedError(
@@ -305,7 +305,7 @@ class RecordStore:
         """Refuse a new recording when the folder is full.
 
         Raises:
-            RecordingRefusedError: The folder is full; the message says of what.
+            RecordingRefusedError: The folder is full of files or bytes.
         """
         count, used = len(self.infos()), self.usage()
         if count >= self.quota.count or used >= self.quota.bytes:
@@ -351,7 +351,7 @@ class RecordStore:
         """Recover one recording; None when another station has it.
 
         Args:
-            identifier: Which one; it has a description.
+            identifier: Id of the recording; it has a description.
             pause: Called between short pieces of work.
         """
         # Imported late: a list of recordings needs no reader of MCAP.
@@ -420,7 +420,7 @@ class RecordStore:
         return sorted(self.folder.glob("*.json"), key=lambda path: path.stem)
 
     def _presented(self, path: Path) -> RecordingInfo | None:
-        """Return a description as it holds now; None when there is none to be used."""
+        """Return a description in its present state; None when it is unusable."""
         try:
             info = self._read(path)
         except (OSError, ValueError):

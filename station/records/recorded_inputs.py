@@ -14,7 +14,7 @@ class RecordedInputs:
     """Keeps the inputs of a station as texts, in the order in which they are known.
 
     Args:
-        inputs: Where the station notes them.
+        inputs: The station's record of its inputs.
         write: Called with each new text.
 
     Attributes:

@@ -1,8 +1,8 @@
 """Takes every cycle out of the ring of snapshots, in a thread of its own.
 
-The thread wakes a hundred times a second and handles what came since, so that it holds
+The thread wakes a hundred times a second and handles the new cycles, so that it holds
 the interpreter for a millisecond at most. The control thread does nothing for it that
-it does not do anyway; while somebody records, it samples commands and arms as well.
+it does not do anyway; while a recording runs, it samples commands and arms as well.
 """
 
 import json
@@ -47,8 +47,8 @@ class Recorder:
 
     Args:
         station: The station.
-        store: Where recordings are kept.
-        incidents: Where incidents are kept; None keeps none.
+        store: Folder of the recordings.
+        incidents: Folder of the incidents; None keeps none.
         texts: Text by topic that every file begins with.
         open_file: Opens a file for its bytes.
         wall_time: Returns the wall time [ns since 1970].
@@ -168,7 +168,7 @@ class Recorder:
         """End the recording; return its description.
 
         Args:
-            identifier: Which one, or its name; the present one when None.
+            identifier: Id or name of the recording; the present one when None.
 
         Raises:
             RecordingNotFoundError: There is no such recording.
@@ -213,7 +213,7 @@ class Recorder:
         """Return the present description of a recording.
 
         Args:
-            identifier: Which one; or its name, if no other one has it.
+            identifier: Id of the recording, or its name if that is unique.
 
         Raises:
             RecordingNotFoundError: There is no such recording.
@@ -249,7 +249,7 @@ class Recorder:
 
         Args:
             store: The store of the recordings, or of the incidents.
-            identifier: Which one.
+            identifier: Id or name of the recording.
             text: The note.
             begin: Station time of the moment, or of the begin of the range [s].
             until: Station time of the end of the range [s]; None for a moment.

@@ -20,7 +20,7 @@ class Recording:
 
     Args:
         info: Information on the recording so far.
-        store: Where it is kept.
+        store: Folder of the recording.
         file: Its file.
         encoder: Makes messages.
         sources: Samples besides the snapshots; empty for an incident.
@@ -131,7 +131,7 @@ class Recording:
         """Write to the disk; return why the recording cannot go on, None if it can.
 
         Args:
-            end_chunk: Write what is in the present chunk, too.
+            end_chunk: Write the present chunk, too.
         """
         if end_chunk:
             self._file.end_chunk()
@@ -171,7 +171,7 @@ class Recording:
         return self.info
 
     def give_up(self) -> None:
-        """Let go of the file as it is: a recovery makes it whole."""
+        """Let go of the unfinished file: a recovery makes it whole."""
         for source in self._sources:
             source.close()
         self._file.give_up()

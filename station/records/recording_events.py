@@ -1,4 +1,4 @@
-"""The events of a finished recording: what happened, and the notes of people.
+"""The events of a finished recording, and the notes of people.
 
 A note is an event like the others, so that every program that opens the file shows it.
 It comes into a chunk of its own behind the others, and the index is written anew.

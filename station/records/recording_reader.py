@@ -103,7 +103,7 @@ def read_messages(
 
     Args:
         path: The file.
-        topics: Which channels; all when None.
+        topics: Channels; all when None.
         is_reverse: Begin with the newest.
 
     Raises:

@@ -16,10 +16,10 @@ from station.records.recording_table import RecordingTable
 
 
 class Upload:
-    """A file on its way into a store, which lists it when it is found to be whole.
+    """A file that is being stored; the store lists it when it is found to be whole.
 
     Args:
-        store: Where the recording is to be.
+        store: Folder of the recordings.
         name: Its name there; may be empty.
 
     Raises:
@@ -100,7 +100,7 @@ class Upload:
         return info
 
     def close(self) -> None:
-        """Delete what was written, unless it has become a recording."""
+        """Delete the written part, unless it has become a recording."""
         self._file.close()
 
 

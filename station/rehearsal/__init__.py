@@ -1,1 +1,1 @@
-"""Rehearsals: what the station would do, tried in a copy of its process."""
+"""Rehearsals: forecasts of motions, made in a copy of the station's process."""

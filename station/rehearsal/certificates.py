@@ -40,7 +40,7 @@ _AT_REST = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """Distances at which the robot still does what was rehearsed.
+    """Distances within which the robot still follows a rehearsed motion.
 
     Attributes:
         pose: At the beginning, each joint [rad or m], > 0.
@@ -99,7 +99,7 @@ class Conditions:
         )
 
     def changed(self, now: "Conditions", last_change: str) -> str | None:
-        """Return one sentence about what has changed except for the joints, or None.
+        """Return one sentence about a change other than of the joints, or None.
 
         Args:
             now: The present conditions.
@@ -180,7 +180,7 @@ class Tube(CycleTap[None]):
         """Look from the cycle on that takes a command up, which is still to be given.
 
         Args:
-            receipt: Where the cycle is noted.
+            receipt: Notes the cycle that takes the command.
         """
         self._receipt = receipt
         self.open()
@@ -234,7 +234,7 @@ class Certificates:
 
     Args:
         station: The station.
-        tolerances: How far the robot may be from what was rehearsed.
+        tolerances: Largest distances of the robot from the rehearsed motion.
     """
 
     def __init__(self, station: "Station", tolerances: Tolerances) -> None:
@@ -253,7 +253,7 @@ class Certificates:
 
         Args:
             steps: The commands; all of them at the beginning.
-            conditions: What the rehearsal began with.
+            conditions: State of the station at the beginning of the rehearsal.
             positions: Positions of all joints after every cycle [rad or m], (k, n).
 
         Returns:
@@ -326,7 +326,7 @@ class Certificates:
                 self._issued.pop(name, None)
 
     def _watch(self, tube: Tube, receipt: Receipt) -> None:
-        """Let a tube take the place of the one before."""
+        """Replace the tube that is watched."""
         if self._tube is not None:
             self._tube.close()
         self._tube = tube

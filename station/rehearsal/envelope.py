@@ -44,9 +44,9 @@ class Envelope:
         """Return the fault of a motion that leaves the envelope; None for any other.
 
         Args:
-            forecast: What was rehearsed.
+            forecast: The rehearsed motion.
             joints: Names of the joints of its columns.
-            tube: How far the robot may be from what was rehearsed [rad or m]: the
+            tube: Largest distance from the rehearsed motion [rad or m]: the
                 ranges have to hold there, too.
             hands: The end effectors, for the workspace.
         """

@@ -50,8 +50,8 @@ class PathSearch:
         """Return the corners of a path, start and one of the goals among them.
 
         Args:
-            start: Where it begins, clear.
-            goals: Where it may end, clear; the best ones first.
+            start: First pose, without contacts.
+            goals: Possible last poses, without contacts; the best ones first.
             deadline: When the search ends [s, `time.perf_counter`].
 
         Returns:
@@ -103,7 +103,7 @@ class PathSearch:
     def _connect(
         self, tree: tuple[list[Joints], list[int]], wanted: Joints, deadline: float
     ) -> bool:
-        """Grow a tree towards a pose as far as it gets; return whether it is there."""
+        """Grow a tree towards a pose as far as possible; return whether it arrived."""
         while True:
             reached = self._grow(tree, wanted, deadline)
             if reached is None:

@@ -51,8 +51,8 @@ class Wish:
 
     Attributes:
         controller: A running trajectory controller.
-        positions: Where joints are to go [rad or m], by name; others stay.
-        place: Where the end effector of a Franka arm is to go in the frame of its base:
+        positions: Target positions [rad or m], by joint; others stay.
+        place: Target of the end effector of a Franka arm in the frame of its base:
             its position [m], shape (3,), and a quaternion x, y, z, w, or None for the
             present orientation; in place of `positions`.
         timeout: How long to search [s], > 0.
@@ -73,7 +73,7 @@ def plan(station: "Station", wish: Wish) -> Plan:
 
     Args:
         station: The station; its robot must be simulated.
-        wish: What is wanted; its name does not count.
+        wish: Target and limits of the search; its name does not count.
 
     Raises:
         ControllerNotFoundError: No such controller is loaded.
@@ -224,7 +224,7 @@ class _Planner:
         )
 
     def _goals(self, goal: Joints, limits: tuple[Joints, Joints]) -> list[Joints]:
-        """Return positions of the joints that are what was wished for, some of many.
+        """Return some positions of the joints that reach the target.
 
         Raises:
             InvalidCommandError: The controller moves no end effector.

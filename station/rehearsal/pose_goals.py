@@ -96,7 +96,7 @@ def target_pose(
     position: Sequence[float],
     orientation: Sequence[float] | None,
 ) -> list[float]:
-    """Return a pose, 16 numbers.
+    """Return the target pose of an end effector, 16 numbers.
 
     Args:
         present: The present pose, 16 numbers.
@@ -122,14 +122,14 @@ def joints_at(
     Args:
         hand: The end effector.
         target: The pose, 16 numbers.
-        start: Where the joints are [rad], shape (n,).
+        start: Present positions [rad], shape (n,).
         limits: Lower and upper ends of the joints' ranges [rad], shape (n,) each.
         names: The joints.
         seed: Of the random numbers.
         accept: Whether a solution is good; the search ends with enough of them.
 
     Returns:
-        The good ones; others when there is none.
+        The reachable poses; others if none is reachable.
 
     Raises:
         NoPathError: The hand cannot get there.

@@ -1,4 +1,4 @@
-"""Judge of poses: what would be nearer to each other than a path may lead it."""
+"""Judge of poses: pairs of bodies that would be too near for a path."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -31,7 +31,7 @@ class PoseJudge:
     Args:
         station: The station, whose world stays in the last pose.
         joints: Names of the joints of a pose.
-        start: Where they are [rad or m]: pairs that are near there may stay so.
+        start: First pose [rad or m]: pairs that are near in it may stay so.
 
     Raises:
         NoPathError: The robot is no simulated one.
@@ -85,7 +85,7 @@ class PoseJudge:
         return not self.blocked(pose)
 
     def _pairs(self, pose: Joints) -> list[Pair]:
-        """Return the pairs that are nearer than what is kept."""
+        """Return the pairs that are nearer than the kept distance."""
         values = pose.tolist()
         found = [(*pair, MARGIN) for pair in self._near(values)]
         positions = dict(zip(self._joints, values, strict=True))

@@ -141,7 +141,7 @@ def _tell(writing: int) -> None:
 
 
 def _become_ordinary(kept: int) -> None:
-    """Give up what the original's thread has: priority, files, shared memory.
+    """Give up priority, files and shared memory of the original process.
 
     Args:
         kept: The only file that stays open, besides the standard ones.
@@ -167,7 +167,7 @@ def _become_ordinary(kept: int) -> None:
 def _own_shared_memory(library: ctypes.CDLL) -> None:
     """Put memory of this process in the place of writable shared memory.
 
-    The watchdog, and programs of libfranka, would otherwise take what the copy writes
+    The watchdog, and programs of libfranka, would otherwise take the copy's values
     for the station's own.
 
     Raises:

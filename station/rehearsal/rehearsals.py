@@ -106,7 +106,7 @@ class Rules:
         operator: For people, and for every token that is not an agent's.
         agent: For programs that decide by themselves, with tokens of the role `agent`.
         envelope: Bounds of the motions of agents.
-        tolerances: How far the robot may be from what was rehearsed.
+        tolerances: Largest distances of the robot from the rehearsed motion.
     """
 
     operator: Policy = Policy.OFF
@@ -135,7 +135,7 @@ class RehearsalRate:
         """Refuse one more copy for a client that has had too many made in a row.
 
         Args:
-            who: Name of the client; nobody else is bounded.
+            who: Name of the client; the bound is that of each client.
 
         Raises:
             TooManyRehearsalsError: It has.
@@ -254,7 +254,7 @@ class Rehearsals:
         real robot a model of it does both.
 
         Args:
-            wish: What is wanted.
+            wish: Target and limits of the search.
             who: Name of the client; None for the program that the station runs in.
 
         Raises:

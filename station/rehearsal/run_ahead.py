@@ -69,7 +69,7 @@ class Forecast:
 
     Attributes:
         rehearsal: The report.
-        conditions: What it began with.
+        conditions: State of the station at its beginning.
         positions: Positions of all joints after every cycle [rad or m], shape (k, n).
     """
 
@@ -85,12 +85,12 @@ def run_ahead(
 
     Args:
         station: The station; it is of no use afterwards.
-        script: What is carried out.
+        script: Commands that are carried out.
         plans: Makes inputs of further kinds of steps.
         tell: Called after each piece of work.
 
     Returns:
-        What happened; None when a cycle was under way as the copy was made.
+        The forecast; None when a cycle was under way as the copy was made.
     """
     if not station.loop.go_on_without_thread():
         return None
@@ -216,7 +216,7 @@ class _RunAhead:
             self._tell()
 
     def _look(self) -> None:
-        """Note what this cycle has brought, the first error above all."""
+        """Note contacts, margins and the first error of this cycle."""
         if self._world is not None:
             self._note_contacts()
         self._note_clearances()
@@ -394,7 +394,7 @@ def digest_of(states: "NDArray[np.float64]") -> str:
 
 
 def _stand_still(clock: Clock) -> ManualClock:
-    """Let a clock follow the cycles, wherever it is used; return what advances it."""
+    """Let a clock follow the cycles; return the function that advances it."""
     if isinstance(clock, ManualClock):
         return clock
     manual = ManualClock(clock.now())

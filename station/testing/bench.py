@@ -33,7 +33,7 @@ class Bench:
         robot: The robot, not yet initialised; None for a `MockRobotHW`.
         robot_parameters: Parameters of the robot.
         root_parameters: Parameters of the root namespace, e.g. `robot_description`.
-        loaders: Where controllers come from; None for the table of the station,
+        loaders: Source of controllers; None for the table of the station,
             installed packages and `module:Class`.
         clock: Wall time; None for a clock that stands still.
         period: Period of a cycle [s], > 0.

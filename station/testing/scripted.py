@@ -44,7 +44,7 @@ class Scripted(Controller[EffortJointInterface]):
 
         Args:
             interface: The robot's interface.
-            params: `joints`, names of joints; `init_raises`, what `init` raises.
+            params: `joints`, names of joints; `init_raises`, the exception of `init`.
 
         Raises:
             RuntimeError: The parameter `init_raises` is set.

@@ -1,6 +1,6 @@
 """An independent observer of a robot and its manager: looks before every `write`.
 
-It uses what the robot and the manager show to everybody, and none of the code that
+It uses the public methods of robot and manager, and none of the code that
 keeps the commands with their owners.
 """
 
@@ -35,7 +35,7 @@ class CommandPlace:
     Attributes:
         claim: Wire name of the interface, and the resource.
         storage: The list that holds the command.
-        index: Where in the list.
+        index: Index in the list.
         rest: Returns the command at which the resource rests now.
     """
 
@@ -51,9 +51,9 @@ class CommandPlace:
 
 
 class ChainCheck:
-    """The check of chains: nobody runs without the controller that it commands.
+    """The check of chains: no controller runs without the one that it commands.
 
-    A reference has one owner, and whoever exports it is in chained mode when the owner
+    A reference has one owner, and its exporter is in chained mode when the owner
     runs, and otherwise not.
 
     Args:
@@ -93,7 +93,7 @@ class SwitchObserver:
     It checks that every command is a finite float; that every resource has at most one
     owner, as far as the robot demands; that commands without an owner rest where they
     were when they lost the owner; that joints without an owner do not move; and
-    that the robot was told which controllers run.
+    that the robot was informed of the running controllers.
 
     Args:
         robot: The robot, initialised. Its `write` and `do_switch` are watched from now
@@ -148,7 +148,7 @@ class SwitchObserver:
         self._unowned_since.clear()
 
     def look(self) -> None:
-        """Check the robot as it is now; called before every `write`."""
+        """Check the present state of the robot; called before every `write`."""
         cycle, running = self._manager.cycle, self._manager.running()
         self.find_wrong_commands()
         self._look_at_owners(running)

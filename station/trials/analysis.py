@@ -208,7 +208,7 @@ def compare(
     Args:
         one: An experiment.
         other: Another one.
-        metrics: Which metrics; all that both have when empty.
+        metrics: Names of metrics; all that both have when empty.
 
     Raises:
         UnknownParameterError: There is no such metric.

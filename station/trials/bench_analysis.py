@@ -85,7 +85,7 @@ def joint_test(
 
     Args:
         trace: The motion of this joint alone, one cycle at least.
-        excitation: What the joint was asked for.
+        excitation: Excitation of the joint.
         script: The same as a script, with the duration and the settling band.
         gains: Gains in force meanwhile; none where they are not known.
         limits: Limits of the robot's joints.

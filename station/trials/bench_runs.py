@@ -18,7 +18,7 @@ class KeptRuns:
     """The kept runs in a folder. Any thread.
 
     Args:
-        folder: Where the files are; the user's own folder when None. It is made when
+        folder: Folder of the files; the user's own folder when None. It is made when
             the first run is kept.
     """
 

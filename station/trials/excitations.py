@@ -92,7 +92,7 @@ def _envelope(t: Array, length: float) -> Array:
 
 
 def least_jerk(share: Array) -> Array:
-    """Return the way of a motion with the least jerk at a share of its time."""
+    """Return the done share of a motion with the least jerk at a share of its time."""
     return share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
 
 

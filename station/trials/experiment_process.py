@@ -22,15 +22,15 @@ _END_TIMEOUT = 1.0
 class ExperimentProcess:
     """A process that has checked an experiment and begun to run it.
 
-    It reads from a pipe what to do, and ends at once when that pipe closes, as it does
-    when this process is killed.
+    It reads its experiment from a pipe, and ends at once when that pipe closes, as it
+    does when this process is killed.
 
     Args:
         command: The program and its arguments.
         order: Request, setup and gains of the experiment.
 
     Raises:
-        StationError: The process refuses it, and why.
+        StationError: The process refuses the experiment.
         ExperimentError: The process cannot be started, or ended before it began.
     """
 
@@ -127,10 +127,10 @@ class ExperimentProcess:
 
 
 def _check(begun: Mapping[str, Any]) -> None:
-    """Raise the error that a process tells of, if it does.
+    """Raise the error that a process reports, if any.
 
     Raises:
-        StationError: The process refuses what it is to do.
+        StationError: The process refuses the experiment.
     """
     refused = begun.get("refused")
     if refused is None:

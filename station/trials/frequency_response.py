@@ -162,7 +162,7 @@ def figures_of(response: JointResponse) -> dict[str, float]:
 
 
 def mass_and_damping(response: JointResponse) -> dict[str, float]:
-    """Return inertia, damping and delay that explain the plant, if it is like that.
+    """Return inertia, damping and delay of the plant, if such a model fits.
 
     Least squares over `1 / plant = (damping * s + inertia * s**2) * exp(delay * s)`,
     each frequency with the same weight; nothing where more than a fifth is not

@@ -73,7 +73,7 @@ class Goal:
 
     Raises:
         UnknownParameterError: There is no such metric.
-        ImpossibleRangeError: A weight is not positive, or there is none.
+        ImpossibleRangeError: A weight is not positive, or there are no weights.
     """
 
     weights: Mapping[str, float] = field(default_factory=lambda: {"rms_error": 1.0})

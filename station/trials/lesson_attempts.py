@@ -1,4 +1,4 @@
-"""Attempts at lessons: what the student's robot did, measured, checked and kept."""
+"""Attempts at lessons: motions of the student's robot, measured, checked and kept."""
 
 import re
 import threading
@@ -38,7 +38,7 @@ _PERSON = re.compile(r"[^a-z0-9]+")
 
 
 class LessonWatch:
-    """Sums up what the robot does from the next cycle on.
+    """Sums up the motions of the robot from the next cycle on.
 
     Args:
         station: The station.
@@ -178,7 +178,7 @@ class LessonAttempts:
             self._name, self._watch = "", None
 
     def take(self) -> None:
-        """Take the cycles since the last call, as the thread does."""
+        """Read the cycles since the last call, as the thread of the lessons does."""
         with self._lock:
             if self._watch is not None:
                 self._watch.take()
@@ -186,11 +186,11 @@ class LessonAttempts:
     def check(
         self, name: str, person: str, answers: Mapping[str, float]
     ) -> LessonResult:
-        """Check the attempt under way, and keep that it is solved.
+        """Check the attempt under way, and keep a success.
 
         Args:
             name: The lesson.
-            person: Whose progress it is.
+            person: Name of the student.
             answers: Typed numbers, in the units of the lesson.
 
         Raises:

@@ -45,7 +45,7 @@ class Check(BaseModel):
     Attributes:
         value: The figure.
         says: The condition in words.
-        hint: The reason why it may not hold, and what to try.
+        hint: A likely reason of a failure, and advice.
         at_least: Smallest allowed value: a number, or a figure.
         at_most: Largest allowed value: a number, or a figure.
         near: Wanted value: a number, or a figure.
@@ -116,7 +116,7 @@ class LessonText(BaseModel):
         joint: Joint of the exercise.
         text: The task, in Markdown.
         answers: Numbers that the student types.
-        checks: Conditions, in the order in which they are told.
+        checks: Conditions, in the order of the page.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -136,7 +136,7 @@ class Book:
 
     Attributes:
         lessons: Lessons by name, in their order.
-        unusable: Files that are no lessons, and why.
+        unusable: Files that are no lessons, with their faults.
     """
 
     lessons: Mapping[str, LessonText]
@@ -162,7 +162,7 @@ def open_book(folder: Path | None = None) -> Book:
 
     Args:
         folder: The user's lessons, one `NAME.yaml` each; the user's own folder when
-            None. A file that is no lesson is left out, and told.
+            None. A file that is no lesson is left out, and reported.
     """
     found: dict[str, LessonText] = {}
     unusable = []

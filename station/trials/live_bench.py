@@ -195,7 +195,7 @@ class LiveBench:
             ControllerStateError: The controller does not run.
             UnknownParameterError: The controller commands no such joint.
             BenchRefusedError: The controller has no set-point yet, or a joint moves.
-            StationError: The excitation is not possible, and why.
+            StationError: The excitation is not possible.
         """
         station, excitation = self._station, request.excitation
         name = excitation.joint
@@ -345,7 +345,7 @@ class LiveBench:
     def _check_on_the_way(
         self, joint: int, start: float, allowed: float, deadline: float
     ) -> None:
-        """End a measurement that does not go as it should.
+        """End a measurement that leaves its bounds.
 
         Raises:
             BenchRefusedError: The joint is too far away, or time does not pass.
@@ -369,7 +369,7 @@ class LiveBench:
     def _brake(
         self, controller: str, begin: list[float], admit: Callable[[], None]
     ) -> None:
-        """Let the joints stay where they are: their last command is further away."""
+        """Let the joints keep their positions; their last command is further away."""
         station = self._station
         if station.manager.get_controller(controller).trajectories is None:
             here = dict(

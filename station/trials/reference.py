@@ -179,7 +179,7 @@ def make_reference(
             are when None. Trajectories begin at the desired state.
 
     Raises:
-        ExperimentError: The controller cannot do what the script asks for.
+        ExperimentError: The controller cannot carry the script out.
         UnknownParameterError: The controller has no such joint.
         InvalidCommandError: The controller takes neither set-points nor trajectories.
     """
@@ -206,7 +206,7 @@ def _begin(facade: Station, controller: str, element: SetPointElement) -> float:
     """Return the value of a set-point at which nothing moves.
 
     Raises:
-        ExperimentError: There is none that is known.
+        ExperimentError: The set-point is the position of no joint.
     """
     if element.unit not in POSITION_UNITS:
         return 0.0  # no velocity, no effort

@@ -257,7 +257,7 @@ class Results:
         """Keep the result of a trial; return whether the trial is new.
 
         Raises:
-            ExperimentError: The file cannot be written; what it has stays whole.
+            ExperimentError: The file cannot be written; its rows stay whole.
         """
         return self.add_all([(trial, result)])[0]
 
@@ -268,7 +268,7 @@ class Results:
             Whether each was not there before.
 
         Raises:
-            ExperimentError: The file cannot be written; what it has stays whole.
+            ExperimentError: The file cannot be written; its rows stay whole.
         """
         with self._writing():
             return [self._insert(trial, result) for trial, result in ended]
@@ -372,7 +372,7 @@ class Results:
         """Keep every cycle of a trial.
 
         Raises:
-            ExperimentError: The file cannot be written; what it has stays whole.
+            ExperimentError: The file cannot be written; its rows stay whole.
         """
         with self._writing():
             self._connection.execute(

@@ -43,7 +43,7 @@ class Script(BaseModel):
         controller: The controller that is started and commanded.
         duration: Length of the trial [s], > 0.
         commands: Motions of joints; without any, the controller holds.
-        begin: Where joints begin [rad or m], by name; others at the world's start.
+        begin: Initial positions [rad or m], by joint; others as at the world's start.
         settling_band: Half-width of the band of the settling time, as a share of the
             step's amplitude, 0 to 1.
     """
@@ -273,7 +273,7 @@ class TrialResult:
         metrics: By name, finite numbers alone; a metric that the script has no use for
             is left out.
         seconds: Wall time of the trial [s].
-        worker: Where it ran: host and process.
+        worker: Host and process that ran the trial.
     """
 
     hash: str

@@ -43,7 +43,7 @@ class DrawnRobot:
     Attributes:
         robot_description: `example-robot-data:<robot>` or a URDF.
         arm_id: Takes the place of `panda` in a Panda's joint names.
-        base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        base: Pose of the root link: x, y, z [m], roll, pitch, yaw [rad].
     """
 
     robot_description: str
@@ -63,7 +63,7 @@ class DashboardConfig:
         robot_description: The robot to draw, `example-robot-data:<robot>` or a URDF;
             empty draws none.
         arm_id: Takes the place of `panda` in a Panda's joint names.
-        base: Where its root link stands: x, y, z [m], roll, pitch, yaw [rad].
+        base: Pose of the root link: x, y, z [m], roll, pitch, yaw [rad].
         base_moves: Whether the root link floats or drives instead.
         beside: Further robots of the same station, e.g. the second arm.
         host_names: Further names under which users reach the dashboard.

@@ -1,7 +1,7 @@
 """Wrong tokens are logged, and answered the later the more of them a source has sent.
 
 A right token is never held back, whatever was sent from the same address before:
-nobody can keep an operator from logging in or from stopping the robot by sending wrong
+no client can keep an operator from logging in or stopping the robot by sending wrong
 tokens.
 """
 

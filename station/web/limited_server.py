@@ -2,7 +2,7 @@
 
 A client that opens connections and says nothing, sends a header or a body drop by drop,
 or does not read its answer, keeps a file descriptor. When a process has no descriptor
-left, it accepts no connection, and nobody can stop the robot. So every step of a
+left, it accepts no connection, and no client can stop the robot. So every step of a
 request has a time limit, and the connections stay below the limit of descriptors: one
 that comes when there are too many takes the place of the one that has waited longest
 for its request. A stop sends its request at once and so is never that one.

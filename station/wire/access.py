@@ -104,7 +104,7 @@ class ControlRequest(RequestModel):
         owner: Name of the new holder, 1 to 100 characters; others see it. The
             name of the token when left out.
         ttl: How long the lease lasts without a heartbeat [s], 0.5 to 3600.
-        force: Take control from whoever holds it; everybody is told.
+        force: Take control from its holder; an event records it.
 
     Example:
         {"owner": "ada", "ttl": 10.0}
@@ -136,7 +136,7 @@ class ControlState(ResponseModel):
     """Control of the station, and its holder.
 
     Attributes:
-        owner: Name of the owner; null while nobody holds control, and every operator
+        owner: Name of the owner; null while no client holds control, and every operator
             may change things.
         token: Name of the token that the owner uses; null without an owner.
         since: Wall time since when [s since 1970]; null without an owner.

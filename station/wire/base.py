@@ -93,7 +93,7 @@ _READERS: dict[type[object], TypeAdapter[Any]] = {}
 
 
 def reader_of(kind: type[ReadT]) -> TypeAdapter[ReadT]:
-    """Return the reader of a report or a wire model, from JSON or from its values."""
+    """Return a function that reads a report or a wire model from JSON or its values."""
     reader = _READERS.get(kind)
     if reader is None:
         reader = _READERS[kind] = TypeAdapter(kind)
@@ -124,7 +124,7 @@ class RequestModel(WireModel):
 
 
 def check_depth(values: dict[str, JsonValue]) -> dict[str, JsonValue]:
-    """Return `values` as they are when they are not nested too deep.
+    """Return `values` unchanged when their nesting is not too deep.
 
     Raises:
         ValueError: The nesting is deeper than `MAX_DEPTH`.

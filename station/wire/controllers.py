@@ -60,14 +60,14 @@ class ControllerState(ResponseModel):
     Attributes:
         name: Its name.
         type: Its plugin type.
-        state: Where it is in its life.
+        state: State of its life cycle.
         claimed_resources: Claims, per interface.
-        fault: Why the station stopped it; null if it did not.
+        fault: Reason why the station stopped it; null if it did not.
         traceback: Traceback that belongs to `fault`; null if there is none.
         fallback: Names of the controllers that take over when it fails.
-        time: How long its update takes [s].
+        time: Duration of its updates [s].
         notes: Surprises for its user, such as a parameter that has no effect.
-        update_rate: How often it is updated while it runs [Hz].
+        update_rate: Rate of its updates while it runs [Hz].
         async_update: Its updates in a thread of its own; null if the control thread
             updates it.
     """
@@ -127,7 +127,7 @@ class SwitchRequest(RequestModel):
     Attributes:
         start: Names to start.
         stop: Names to stop.
-        strictness: `strict`: all or nothing; `best_effort`: what is possible; `auto`:
+        strictness: `strict`: all or nothing; `best_effort`: the possible part; `auto`:
             as strict, and whole chains of controllers start and stop; `force_auto`: as
             auto, and controllers that hold what a start needs stop.
         start_asap: Start each as soon as its joints are ready.
@@ -135,7 +135,7 @@ class SwitchRequest(RequestModel):
             `bound`.
         bound: How long a switch without a timeout may take [s of wall time]; null
             means as long as the hardware takes, as in ros_control.
-        dry_run: Only return what would happen.
+        dry_run: Only return the plan.
 
     Example:
         {"start": ["arm"], "stop": [], "strictness": "strict"}
@@ -163,7 +163,7 @@ class SwitchResult(ResponseModel):
         ok: Every controller runs or stopped as planned.
         started: Names that were started.
         stopped: Names that were stopped.
-        outcome: How the switch ended. `committed`: what could be done was done;
+        outcome: End of the switch. `committed`: all possible parts were carried out;
             `rolled_back`: what ran before runs again; `halted`: controllers of the
             switch were stopped, because the hardware carried out neither the switch
             nor its reversal.
@@ -372,7 +372,7 @@ class DeclaredParameter(ResponseModel):
             `mappings` (a list of objects).
         description: Purpose.
         unit: Unit of the numbers, where joints are concerned that of rotating joints;
-            empty for what has no unit.
+            empty without a unit.
         required: Whether loading is refused when it is absent.
         default: Value when it is absent; null when there is no fixed one.
         default_text: How the default follows from the robot or other parameters; empty
@@ -420,7 +420,7 @@ class ControllerType(ResponseModel):
         base_class: Class of plugins that it belongs to.
         description: Purpose; empty where the type has no text.
         parameters: The parameters that it declares, after those of every controller;
-            a type that somebody else wrote may read more than it declares.
+            a type of another package may read more than it declares.
         error: Why its code cannot be imported; empty when it can.
     """
 

@@ -67,7 +67,7 @@ class Alarm(ResponseModel):
         id: Number of the alarm, 1 or more; a cause that returns gets a new one.
         subject: Part in trouble: `stop`, `loop`, `events`, `robot <arm_id>` or
             `controller <name>`.
-        severity: `warning`: as somebody wanted, such as a stop; `error`: a failure.
+        severity: `warning`: a wanted state, such as a stop; `error`: a failure.
         text: The problem, with its cause.
         remedy: Advice to the user.
         raised_at: When it was noticed, as wall time [s since 1970, UTC].
@@ -97,8 +97,8 @@ class Alarms(ResponseModel):
     """The alarms, newest first.
 
     Attributes:
-        alarms: Those whose cause is there, and those that nobody has acknowledged.
-        unacknowledged: How many of them nobody has acknowledged, 0 or more.
+        alarms: Those that have a cause, and those that are not acknowledged.
+        unacknowledged: Number of those that are not acknowledged, 0 or more.
     """
 
     alarms: Items[Alarm]

@@ -21,7 +21,7 @@ Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=3, max_leng
 
 
 class _Tagged(RequestModel):
-    """Base of the kinds, which their tag tells apart."""
+    """Base of the kinds, which differ by their tag."""
 
     @override
     def model_post_init(self, context: object, /) -> None:
@@ -33,7 +33,7 @@ class Step(_Tagged):
     """A set-point that jumps.
 
     Attributes:
-        kind: Which excitation it is.
+        kind: Kind of the excitation.
         joint: Joint, or element of the set-point.
         amplitude: Height [unit of the set-point].
         at: When [s].
@@ -49,7 +49,7 @@ class Sine(_Tagged):
     """A sine that fades in and out within a quarter of its duration, 0.5 s at most.
 
     Attributes:
-        kind: Which excitation it is.
+        kind: Kind of the excitation.
         joint: Joint, or element of the set-point.
         amplitude: Largest offset [unit of the set-point].
         frequency: Frequency [Hz], > 0.
@@ -69,7 +69,7 @@ class Chirp(_Tagged):
     """A sine whose frequency grows linearly; it fades as `Sine` does.
 
     Attributes:
-        kind: Which excitation it is.
+        kind: Kind of the excitation.
         joint: Joint, or element of the set-point.
         amplitude: Largest offset [unit of the set-point].
         first: Frequency at the beginning [Hz], > 0.
@@ -91,7 +91,7 @@ class Multisine(_Tagged):
     """Several sines at once, whose phases keep the sum low; fades as `Sine` does.
 
     Attributes:
-        kind: Which excitation it is.
+        kind: Kind of the excitation.
         joint: Joint, or element of the set-point.
         amplitude: Bound of the sum [unit of the set-point].
         frequencies: Frequencies [Hz], > 0, 1 to 50 of them.
@@ -117,7 +117,7 @@ class Relay(_Tagged):
     """A set-point that changes sides when the joint has crossed the middle.
 
     Attributes:
-        kind: Which excitation it is.
+        kind: Kind of the excitation.
         joint: Joint, or element of the set-point.
         amplitude: Offset to either side [unit of the set-point].
         hysteresis: How far beyond the middle the joint changes sides [rad or m], >= 0.
@@ -135,7 +135,7 @@ class Waypoints(_Tagged):
     """Motions from rest to rest with the least jerk, one after the other.
 
     Attributes:
-        kind: Which excitation it is.
+        kind: Kind of the excitation.
         joint: Joint, or element of the set-point.
         times: When each waypoint is reached [s], > 0 and increasing.
         values: Offset of each waypoint [unit of the set-point].
@@ -169,7 +169,7 @@ class Recorded(_Tagged):
     """Recorded offsets, e.g. of the time before an incident.
 
     Attributes:
-        kind: Which excitation it is.
+        kind: Kind of the excitation.
         joint: Joint, or element of the set-point.
         times: When each value begins [s], increasing.
         values: Offsets [unit of the set-point].
@@ -202,7 +202,7 @@ class Push(_Tagged):
     """A force on a link of the simulated robot.
 
     Attributes:
-        kind: Which excitation it is.
+        kind: Kind of the excitation.
         link: The link.
         at: When it begins [s].
         lasts: How long it lasts [s], > 0.
@@ -309,7 +309,7 @@ class BenchResponse(ResponseModel):
         created_at: When it was measured, ISO 8601.
         controller: Name of the controller.
         joint: Name of the joint.
-        kind: Which excitation it was.
+        kind: Kind of the excitation.
         amplitude: Size of the excitation [rad or m]; that of the set-point in a part of
             a recording.
         gains: Gains of the controller during the measurement, by name.
@@ -358,7 +358,7 @@ class BenchRun(ResponseModel):
         created_at: When it was measured, ISO 8601.
         controller: Name of the controller.
         joint: Name of the joint.
-        kind: Which excitation it was.
+        kind: Kind of the excitation.
         gains: p, i and d of the joint, as far as its controller has them.
         metrics: Its metrics by name.
     """

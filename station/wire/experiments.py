@@ -42,21 +42,21 @@ class ExperimentRequest(RequestModel):
     Attributes:
         kind: `tune` searches for better gains, `sweep` runs a trial for each of many
             values of parameters, `robustness` under chance ones.
-        controller: Which controller the trials run.
+        controller: Controller that the trials run.
         name: Its name; empty for its kind and the time. A request that repeats
             that of an unfinished experiment goes on with it.
         joints: The joints whose gains a search changes, and which the script moves
             when `commands` is left out; all of the controller when null.
         commands: Motions in each trial; small motions of the joints when null.
         duration: Length of a trial [s], above 0, at most 3600; only with `commands`.
-        begin: Where joints begin [rad or m], by name; others at the world's start.
+        begin: Initial positions [rad or m], by joint; others as at the world's start.
         settling_band: Half-width of the band of the settling time, as a share of the
             step, above 0 and below 1.
         parameters: Parameters of every trial by name, such as `load`; docs list them.
         trials: How many trials at most, 1 or more; a search needs 2.
         seed: Seed of all chance, 0 or more.
         workers: Processes, 1 or more; null for all processors but one.
-        gains: Which gains a search changes: what their names end in.
+        gains: Endings of the names of the gains that a search changes.
         weights: Weight of each metric that a search makes small, above 0; the metrics
             count relative to those of the first trial.
         bounds: Constraints of a search; null for no more effort than at first, neither
@@ -144,7 +144,7 @@ class ExperimentSummary(ResponseModel):
         controller: The controller of its trials; empty when nothing says which.
         state: `running` here and now; `done`; `cancelled`; `failed`, see `reason`; or
             `unfinished`: begun, and this station does not run it.
-        reason: Why it ended, or what went wrong; empty when there is nothing to say.
+        reason: Reason of its end or failure; empty without one.
         created_at: When it was started first, ISO 8601.
         trials: How many trials it has at most, 0 when that is not known.
         ended: How many have ended, 0 or more.
@@ -242,7 +242,7 @@ class ExperimentPreview(ResponseModel):
         trial: Hash of the trial.
         differences: The gains that would change: `saved` is the new value.
         revisions: Present revision of the gains of each controller; sent along with
-            the change, they make sure that it changes what was shown.
+            the change, they make sure that no gain has changed since.
 
     Example:
         {"experiment": "better", "trial": "3f2a9c0d11e4b765", "differences":

@@ -100,7 +100,7 @@ class HardwareLimits(ResponseModel):
         max_jerk: In both directions [rad/s^3 or m/s^3].
         max_effort: In both directions [Nm or N].
         soft_limits: Soft limits; null without.
-        sources: Where each kind of limit comes from; keys `position`, `velocity`,
+        sources: Source of each kind of limit; keys `position`, `velocity`,
             `acceleration`, `jerk`, `effort`, `soft`.
     """
 
@@ -162,7 +162,7 @@ class Hardware(ResponseModel):
         limits: Limits of the joints.
         transmissions: Transmissions; empty for a robot that has none.
         clamps: Commands that were cut off; empty if none ever was.
-        repairs: In what a simulated robot differs from its description.
+        repairs: Differences of a simulated robot from its description.
 
     Example:
         {"interfaces": [{"name": "hardware_interface::EffortJointInterface",

@@ -30,7 +30,7 @@ class LessonVerdict(ResponseModel):
         says: Statement that is checked.
         is_met: Whether it holds.
         value: The measured value; null when it was not measured.
-        hint: The reason why it does not hold, and what to try; empty when it does.
+        hint: A likely reason of the failure, and advice; empty when it holds.
     """
 
     says: str
@@ -68,7 +68,7 @@ class Lessons(ResponseModel):
 
     Attributes:
         lessons: The lessons.
-        unusable: Files of the user's folder that are no lessons, and why.
+        unusable: Files of the user's folder that are no lessons, with their faults.
     """
 
     lessons: Items[Lesson]

@@ -24,7 +24,7 @@ class PlotRequest(RequestModel):
         keys: Its channels, as the page names them, 100 at most.
         xy: Whether the others are drawn over the first channel, not over time.
         span: How much time is shown [s], above 0 and at most 3600.
-        transform: What is shown of the channels; empty for the channels as they are.
+        transform: Transform of the channels; empty for none.
     """
 
     keys: list[_Key] = Field(max_length=100)
@@ -40,7 +40,7 @@ class DocksRequest(RequestModel):
         folded: The docks that are folded, as the page names them.
         side: Width of a column of docks beside the 3D view [pixels].
         below: Height of the docks below it [pixels].
-        heights: Heights of docks that somebody has resized [pixels].
+        heights: Heights of the docks that a user has resized [pixels].
     """
 
     folded: list[_Dock] = Field(max_length=32)
@@ -112,7 +112,7 @@ class WaypointPathRequest(RequestModel):
 
 
 class CaptureRequest(RequestModel):
-    """Add where the joints are now to a path.
+    """Add the present positions of the joints to a path.
 
     Attributes:
         name: Name of the waypoint; `point N` when null or left out.

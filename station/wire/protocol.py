@@ -42,7 +42,7 @@ class FieldError(ResponseModel):
     """One fault of a request.
 
     Attributes:
-        field: Where, e.g. `body/values/panda_joint1/p`.
+        field: Place of the fault, e.g. `body/values/panda_joint1/p`.
         message: The problem, and the allowed values.
         value: The value refused, as text.
     """
@@ -59,7 +59,7 @@ class Problem(ResponseModel):
         type: URI of the kind of problem.
         title: The kind of problem in words.
         status: The HTTP status.
-        detail: Which thing, its value, what is allowed.
+        detail: The thing, its value, and the allowed values.
         code: Stable machine-readable name of the kind.
         remedy: Advice to the user.
         errors: Every single thing that is wrong, when there are several or fields.
@@ -134,7 +134,7 @@ class CommandError(ResponseModel):
 
     Attributes:
         code: Stable machine-readable name.
-        detail: Which thing, its value, what is allowed.
+        detail: The thing, its value, and the allowed values.
         remedy: Advice to the user.
     """
 

@@ -22,15 +22,15 @@ class Recording(ResponseModel):
         note: Note of the user.
         state: `recording` now; `stopped`; `failed` before its end, `error` says why;
             `recovered` after the station was killed.
-        error: Why it failed, or what a recovery cut off; empty if nothing went wrong.
+        error: Reason of a failure, or the loss of a recovery; empty without either.
         started_at: When it began, ISO 8601.
         first_cycle: Number of its first cycle; 0 while it has none.
         last_cycle: Number of its last cycle; 0 while it has none.
-        cycles: Number of cycles in it; 0 after a recovery, when nobody counted.
+        cycles: Number of cycles in it; 0 after a recovery, which does not count them.
         lost: Cycles that were overwritten before they could be recorded.
         duration: Station time from its first cycle to its last [s].
         size: Bytes of the file.
-        causes: Why an incident was kept; empty for what a user recorded.
+        causes: Causes of an incident; empty for a recording of a user.
         is_uploaded: Whether it was uploaded as a file instead of recorded here.
 
     Example:
@@ -102,7 +102,7 @@ class Trajectory(ResponseModel):
 
 
 class RecordedEvent(ResponseModel):
-    """An event in a recording: what happened, or the note of a person.
+    """An event in a recording, or the note of a person.
 
     Attributes:
         time: Station time [s].

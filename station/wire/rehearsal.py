@@ -150,8 +150,8 @@ class PlanRequest(RequestModel):
 
     Attributes:
         controller: A running trajectory controller.
-        positions: Where joints are to go [rad or m], by name; others stay.
-        pose: Where the end effector is to go; the joints are found.
+        positions: Target positions [rad or m], by joint; others stay.
+        pose: Target pose of the end effector; the station computes the joints.
         name: A named pose of the robot, such as `ready`.
         timeout: How long to search [s], above 0 and at most 30.
         seed: Of the random numbers; another seed finds another path.

@@ -76,9 +76,9 @@ class ArmReport(ResponseModel):
         arm_id: Its name.
         robot_mode: Mode of the arm.
         connected: Whether the station is connected to the arm.
-        errors: Present errors, or else those that ended the last motion.
+        errors: Present errors, or else the errors that ended the last motion.
         remedy: Step needed before the arm can move; empty when it can.
-        caution: Which estimates of external forces are near a collision's threshold,
+        caution: Estimates of external forces near a collision's threshold,
             and what to do; empty when none is.
     """
 
@@ -338,7 +338,7 @@ class ExternalForce(RequestModel):
         torque: Torque [Nm], shape (3,).
         duration: How long [s].
         frame: Axes of force and torque: `world`, or a link with which they turn.
-        point: Where the force acts, in the link's frame [m]; its centre of mass if
+        point: Point of application, in the link's frame [m]; the centre of mass if
             there is none.
 
     Example:
@@ -667,7 +667,7 @@ class GraspEpsilon(RequestModel):
 
 
 class GripperGraspRequest(RequestModel):
-    """Close, or open from within, until something is in the way, and press it.
+    """Close, or open from within, until the fingers touch an object, and press it.
 
     Attributes:
         width: Expected width of the object, less than the largest one [m].

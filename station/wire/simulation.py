@@ -68,7 +68,7 @@ class SceneObjectRequest(RequestModel):
             cylinder; radius of a capsule and length of its axis [m].
         position: Of its middle, of the middle of the top of a table [m].
         rpy: Roll, pitch and yaw [rad].
-        role: What it is to the robots; a new one keep_out or fence.
+        role: Role for the robots; a new object has keep_out or fence.
         margin: Distance that arms keep from it [m].
         links: Links for which the role counts, `hand` for the hand alone; empty for
             all.
@@ -92,7 +92,7 @@ class SceneObjectRequest(RequestModel):
 
 
 class SceneObject(ResponseModel):
-    """A thing, where it is now.
+    """An object at its present pose.
 
     Attributes:
         name: Its name.
@@ -135,7 +135,7 @@ class AttachRequest(RequestModel):
 
     Attributes:
         arm: Name of the arm; may be left out where there is only one.
-        load: Whether the arm is told the mass of what it carries, which it refuses
+        load: Whether the load of the arm is set, too, which it refuses
             while it moves.
 
     Example:
@@ -150,7 +150,7 @@ class DetachRequest(RequestModel):
     """Let an object stay where it is.
 
     Attributes:
-        load: Whether the arm is told the mass of what is left, which it refuses while
+        load: Whether the load of the arm is set to the rest, which it refuses while
             it moves.
 
     Example:
@@ -215,7 +215,7 @@ class Scene(ResponseModel):
         contacts: The contacts, 64 at most; empty around a real robot, which has no
             sensors for them.
         clearances: For each arm that keeps clear of something the nearest pair.
-        bases: Where the root links are of simulated robots with a floating or planar
+        bases: Poses of the root links of simulated robots with a floating or planar
             base; empty where all robots are fixed.
     """
 

@@ -49,7 +49,7 @@ class Kernel(ResponseModel):
 
     Attributes:
         mode: Compiled modules, or their Python sources interpreted.
-        reason: Why it is this one, and what would change that.
+        reason: Reason, and the way to change it.
     """
 
     mode: Literal["compiled", "interpreted"]
@@ -76,9 +76,9 @@ class Status(ResponseModel):
         epoch: Changes at each stop, reset and recovery.
         time: Station time [s].
         cycle: Number of the last cycle.
-        robot_type: Which RobotHW it runs.
+        robot_type: Type of its RobotHW.
         robot_label: `SIMULATION`, or `REAL ARM` with its address, or `REAL ROBOT` of a
-            robot that tells none; empty from a station that does not tell.
+            robot without an address; empty from an older station.
         robot_mode: Mode of the robot in one word.
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
@@ -89,9 +89,9 @@ class Status(ResponseModel):
         robots: The arms with their modes and errors.
         versions: Versions of the station and of the packages below it.
         clamps: Commands that limits cut off; empty if none ever was.
-        command_violations: Commands that nobody had the right to write.
+        command_violations: Commands that were written without a claim.
         events: How the event log is doing; null from a station that does not tell.
-        operator: Name of whoever holds control; null while nobody does.
+        operator: Name of the holder of control; null without one.
         recording: The recording that runs, or the last one since the start of the
             station, which says whether it failed; null without one.
         recorder_failure: Why the station records no more, or could not keep an

@@ -26,6 +26,7 @@ WITH_REPORTS = {
     "station.core.control.loaded_controller",
     "station.core.loop.control_cycle",
     "station.core.loop.snapshot",
+    "station.core.numerics.durations",
     "station.core.numerics.pid",
     "station.core.ports.set_point",
     "station.hw.franka.simulated.accelerometers",

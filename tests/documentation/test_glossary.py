@@ -19,7 +19,7 @@ HOUSE_WORDS = set(
 
 
 def explained(glossary: str) -> set[str]:
-    return set(re.findall(r"^\| \*\*(.+?)\*\*", glossary, re.MULTILINE))
+    return set(re.findall(r"^- \*\*(.+?)\*\*", glossary, re.MULTILINE))
 
 
 def words_of(name: str) -> set[str]:
@@ -44,7 +44,7 @@ def public_classes() -> set[str]:
 
 
 def test_a_house_word_without_an_entry_is_found():
-    glossary = "| **port** | where set-points are left |"
+    glossary = "- **port**: where set-points are left"
 
     found = unexplained({"CycleTap", "GoalPort", "Tapestry"}, glossary)
 

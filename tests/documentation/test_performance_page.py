@@ -52,3 +52,9 @@ def test_figures_are_medians_of_runs(script):
     runs = [[{"name": "a", "ratio": value}] for value in (3.0, 1.0, 2.0)]
 
     assert script["medians"](runs) == [{"name": "a", "ratio": 2.0}]
+
+
+def test_a_robot_has_its_first_and_last_row(script):
+    labels = [("arm", "none"), ("arm", "a"), ("arm", "b"), ("base", "none")]
+
+    assert script["ends"](labels) == [labels[0], labels[2], labels[3]]

@@ -26,7 +26,7 @@ from tests.both_modes import (
     ],
 )
 def test_the_first_number_that_is_not_finite_is_found(values, bad):
-    check = interpreted("finite_check").FiniteCheck(doubles(values))
+    check = interpreted("vectors").FiniteCheck(doubles(values))
     assert check.first_bad() == bad
 
 
@@ -43,7 +43,7 @@ def test_a_block_of_commands_tells_what_changed_and_writes_it_back():
 
 
 def test_durations_keep_the_last_and_sum_up_all():
-    durations = interpreted("durations").Durations(2)
+    durations = interpreted("durations").DurationRing(2)
     for value in (1.0, 3.0, 2.0):
         durations.add(value)
     assert list(durations.values) == [2.0, 3.0]
@@ -121,7 +121,7 @@ def test_both_modes_give_the_same_bits(values, target, step):
         return [block.copy_commands(), block.has_changed(), *block.values]
 
     def durations(module):
-        kept = module.Durations(3)
+        kept = module.DurationRing(3)
         for value in values:
             kept.add(value)
         times = module.CycleTimes(1)
@@ -153,7 +153,7 @@ def test_both_modes_give_the_same_bits(values, target, step):
         ]
 
     assert_same("vectors", at_once)
-    assert_same("finite_check", finite)
+    assert_same("vectors", finite)
     assert_same("command_gate", blocks)
     assert_same("durations", durations)
     assert_same("world_step", speeds)

@@ -21,7 +21,7 @@ class GainsAnswer:
     """Outcome of parameters that a client has set.
 
     Attributes:
-        values: Those that were asked for and exist, as they are in force now.
+        values: Present values of the requested gains that exist.
         problems: Why some were not set, one sentence each.
     """
 
@@ -33,7 +33,7 @@ class FoxgloveChanges:
     """The changes of one client. Its methods may wait: for worker threads.
 
     Args:
-        client: The client, and what it may do.
+        client: The client, with its rights.
     """
 
     def __init__(self, client: ToolClient) -> None:
@@ -50,7 +50,7 @@ class FoxgloveChanges:
         return {name: found[name] for name in names or found if name in found}
 
     def set_gains(self, wanted: dict[str, object]) -> GainsAnswer:
-        """Set gains; those that can be set do not fall with those that cannot.
+        """Set gains; valid ones are set, even if others are refused.
 
         Args:
             wanted: Values by `controller/gain`.

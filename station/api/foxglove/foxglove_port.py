@@ -23,7 +23,7 @@ class FoxglovePort(ToolPort[FoxgloveSession]):
     Args:
         app: The application of the API, whose station, tokens and lease it shares.
         channels: Channels that a client can subscribe to.
-        place: Where it is served, and for whom.
+        place: Address of the port, and the clients that it admits.
     """
 
     tool: ClassVar[str] = "Foxglove"

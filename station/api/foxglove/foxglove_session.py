@@ -64,7 +64,7 @@ class FoxgloveSession:
 
     @property
     def topics(self) -> set[str]:
-        """The channels that it has subscribed to."""
+        """The channels that the client has subscribed to."""
         return set(self._subscriptions.values())
 
     def offer(self, messages: list[LiveMessage]) -> None:

@@ -71,7 +71,7 @@ class LiveChannels:
         All of them, transforms too, are of the same row: a stamp names one cycle.
 
         Args:
-            wanted: The channels that somebody has subscribed to.
+            wanted: The channels with a subscriber.
         """
         loop = self._station.loop
         rows = self._station.snapshots.rows_since(

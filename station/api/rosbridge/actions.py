@@ -118,7 +118,7 @@ class TrackedGoal:
         text: Why it did not succeed.
         running: The goal; None before it has begun, and when it was refused.
         ended: When it ended [s, clock of the event loop]; None until then.
-        told: Takes each progress of it.
+        told: Called with each progress of the goal.
     """
 
     action: Action
@@ -229,7 +229,7 @@ class StationActions:
 
         Args:
             action: Its action.
-            client: Who gives it.
+            client: The client that gives it.
             goal: The goal message.
             goal_id: Its `actionlib_msgs/GoalID`.
             told: Called in the event loop with each progress.

@@ -57,12 +57,12 @@ class Member(Protocol):
 
 @dataclass(slots=True)
 class ClientTopic(Topic):
-    """A topic of clients. It exists while somebody publishes or subscribes.
+    """A topic of clients. It exists while a client publishes or subscribes.
 
     Attributes:
-        publishers: Who publishes.
-        subscribers: Who subscribes.
-        latched: What a new subscriber gets at once; None for nothing.
+        publishers: Clients that publish.
+        subscribers: Clients that subscribe.
+        latched: Message that a new subscriber gets at once; None for none.
     """
 
     publishers: set[Member] = field(default_factory=set)
@@ -159,7 +159,8 @@ class Broker:
         """Return a new topic that clients publish to.
 
         Raises:
-            RosTypeError: The name or the type is none, or the name is the station's.
+            RosTypeError: The name or the type is malformed, or the name is the
+                station's.
         """
         kind, _ = self._checked_name(name, type_name)
 
@@ -212,11 +213,11 @@ class Broker:
             what: services or actions.
             written: Its name.
             type_name: Its type.
-            member: Who offers it.
+            member: The client that offers it.
 
         Raises:
-            RosTypeError: The name or the type is none, the name is the station's or
-                another client's, or the client offers too much.
+            RosTypeError: The name or the type is malformed, the name is the station's
+                or another client's, or the client offers too much.
         """
         name = f"/{written.strip('/')}"
         kind, is_ros2 = self._checked_name(name, type_name)
@@ -262,8 +263,8 @@ class Broker:
         Args:
             offer: The service or the action.
             args: The request or the goal.
-            asker: Who asks.
-            told: Takes every answer.
+            asker: The client that asks.
+            told: Called with every answer.
 
         Raises:
             RosTypeError: The message is malformed, or too many wait for the client.
@@ -337,7 +338,8 @@ class Broker:
         """Return the type as ROS 1 names it, and whether it was given as ROS 2 does.
 
         Raises:
-            RosTypeError: The name or the type is none, or the name is the station's.
+            RosTypeError: The name or the type is malformed, or the name is the
+                station's.
         """
         for pattern, what, given in ((_NAME, "name", name), (_TYPE, "type", type_name)):
             if len(given) > _MOST_CHARACTERS or not pattern.fullmatch(given):

@@ -41,7 +41,7 @@ class Subscription:
     form: Form = field(default_factory=Form)
 
     def settle(self) -> None:
-        """Take what the wishes say together."""
+        """Combine the wishes of all subscriptions."""
         throttles, lengths, forms = zip(*self.wishes.values(), strict=True)
         self.throttle, self.length = min(throttles), max(lengths)
         self.form = forms[-1]
@@ -62,15 +62,15 @@ class Outbox:
     """Sends answers at once and messages of topics at their time. For one event loop.
 
     A client that does not read loses the oldest messages of each topic and learns how
-    many; nobody else waits for it.
+    many; no other client waits for it.
 
     Args:
         port: The connection.
         half_tick: Half the time between two ticks [s]: so early a message may be.
 
     Attributes:
-        subscriptions: What the client has subscribed to, by topic.
-        level: The last of `LEVELS` that the client wants to be told.
+        subscriptions: Subscriptions of the client, by topic.
+        level: The last of `LEVELS` whose messages the client wants.
         overflown: Set when too many answers wait.
     """
 
@@ -103,7 +103,7 @@ class Outbox:
             self._limit_bytes()
 
     def flush(self, now: float) -> None:
-        """Send what has waited for its time or for the client.
+        """Send the messages that waited for their time or for the client.
 
         Args:
             now: Clock of the event loop [s].
@@ -121,7 +121,7 @@ class Outbox:
 
         Args:
             level: One of `LEVELS`.
-            text: What happened.
+            text: The event, as a sentence.
             identifier: Of the client's message; None without one.
         """
         if LEVELS.index(level) <= LEVELS.index(self.level):

@@ -44,7 +44,7 @@ class Form(NamedTuple):
 
 
 class Publication:
-    """A message of a topic; each form is made once for all who want it.
+    """A message of a topic; each encoding is made once for all subscribers.
 
     Args:
         topic: Name of the topic.

@@ -32,7 +32,7 @@ class RosGraph:
 
     Attributes:
         station: The station.
-        broker: What clients offer to each other.
+        broker: Topics, services and actions that clients offer to each other.
         topics: The topics by name: the station's first, then those of clients.
         services: The services by name, likewise.
         actions: The actions by name, likewise.
@@ -110,7 +110,7 @@ class RosGraph:
             type_name: Its type in either style; any when empty.
 
         Raises:
-            RosTypeError: There is none of that name, or it has another type.
+            RosTypeError: The name is unknown, or it has another type.
         """
         name, known = path_of(name), getattr(self, what)
         # Looking anew costs a millisecond, and a client may ask for anything.

@@ -145,7 +145,7 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
     Args:
         type_name: Type of the message, as ROS 1 has it. One that the station does not
             know is left as it is: only clients have it.
-        values: What the client sent.
+        values: The message of the client.
         where: Name of the message in refusals.
 
     Raises:
@@ -178,7 +178,7 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
 
 
 def _check_depth(value: object, where: str, left: int = _MOST_DEPTH) -> None:
-    """Refuse what is nested so deeply that writing it would end in an exception.
+    """Refuse a value whose nesting is too deep to be written.
 
     Raises:
         RosTypeError: It is.
@@ -251,7 +251,7 @@ def _checked_time(kind: str, value: object, where: str) -> Values:
     """Return a time or a duration, from the names of ROS 1 or of ROS 2.
 
     Raises:
-        RosTypeError: It is none.
+        RosTypeError: The value is no time.
     """
     given = {} if value is None else value
     if not isinstance(given, Mapping) or given.keys() - {

@@ -1,4 +1,4 @@
-"""The services of rosapi: what there is, of which type, and the parameters.
+"""The services of rosapi: lists of topics, services and nodes, types, parameters.
 
 Source: RobotWebTools/rosbridge_suite rosapi; differs: `delete_param` and `set_param`
 refuse with the reason, and the parameters are those of the station, besides which
@@ -46,7 +46,7 @@ class Rosapi:
     """Makes the services of rosapi.
 
     Args:
-        graph: What there is.
+        graph: Topics, services and nodes.
     """
 
     def __init__(self, graph: "RosGraph") -> None:
@@ -71,7 +71,7 @@ class Rosapi:
             )
 
     def _is_clients(self, client: ToolClient, request: Values) -> bool:
-        """Return whether a parameter is one of clients: nobody else sees it.
+        """Return whether a parameter belongs to clients alone.
 
         Those of the station are for operators. A viewer's are of the kind in which
         pages and scripts leave each other values.

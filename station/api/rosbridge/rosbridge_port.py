@@ -29,7 +29,7 @@ class RosbridgePort(ToolPort[RosbridgeSession]):
         app: The application of the API, whose station, tokens and lease it shares.
         urdf: The robot for transforms; None sends none.
         texts: Text by topic, such as `/robot_description`.
-        place: Where it is served, and for whom.
+        place: Address of the port, and the clients that it admits.
     """
 
     tool: ClassVar[str] = "rosbridge"

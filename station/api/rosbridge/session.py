@@ -1,4 +1,4 @@
-"""One client of rosbridge: what it subscribes to, publishes, calls and asks for.
+"""One client of rosbridge: its subscriptions, publications, calls and goals.
 
 Source: RobotWebTools/rosbridge_suite ROSBRIDGE_PROTOCOL.md and rosbridge_library's
 capabilities.
@@ -68,12 +68,12 @@ class RosbridgeSession:
     """Talks to one client, in the event loop of the API.
 
     Args:
-        client: The client, and what it may change.
-        graph: What it reaches.
+        client: The client, with its rights.
+        graph: Topics, services and actions that the client can reach.
         half_tick: Half the time between two ticks [s].
 
     Attributes:
-        outbox: What is on its way to the client.
+        outbox: Messages that wait to be sent to the client.
     """
 
     def __init__(self, client: ToolClient, graph: RosGraph, half_tick: float) -> None:
@@ -116,7 +116,7 @@ class RosbridgeSession:
         await self.outbox.overflown.wait()
 
     async def listen(self) -> None:
-        """Answer what the client asks; return when it is gone."""
+        """Answer the client's messages; return when it is gone."""
         try:
             while True:
                 message = await self._client.websocket.receive()
@@ -131,10 +131,10 @@ class RosbridgeSession:
                 call.cancel()
 
     async def _take(self, data: str | bytes) -> None:
-        """Carry a message out, or say what is wrong with it.
+        """Carry a message out, or send its fault to the client.
 
         Raises:
-            RosTypeError: Never; the client is told.
+            RosTypeError: Never; the client gets a status.
         """
         found: list[object] = [None]
         with self._told(found):
@@ -162,7 +162,7 @@ class RosbridgeSession:
     def _told(
         self, identifier: list[object], answer: Callable[[str], None] | None = None
     ) -> Iterator[None]:
-        """Tell the client of what is refused in the body of a `with`.
+        """Tell the client of a refusal in the body of a `with`.
 
         Args:
             identifier: Of the message, once it is known.
@@ -189,7 +189,7 @@ class RosbridgeSession:
         """Return a topic; with its type, one that clients have not had yet.
 
         Raises:
-            RosTypeError: There is none, or it has another type.
+            RosTypeError: The topic is unknown, or it has another type.
         """
         name, kind = path_of(message["topic"]), str(message.get("type") or "")
         try:
@@ -367,7 +367,7 @@ class RosbridgeSession:
         """Return the response of another client.
 
         Raises:
-            RosTypeError: The request is malformed, or there is none.
+            RosTypeError: The request is malformed, or its service is unknown.
         """
         answered: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
 
@@ -573,7 +573,7 @@ def _number(message: Message, key: str, most: int) -> int:
     """Return a whole number of a message; 0 without one.
 
     Raises:
-        RosTypeError: It is none, or out of range.
+        RosTypeError: The value is no number, or out of range.
     """
     value = message.get(key) or 0
     if not isinstance(value, int | float) or not 0 <= value <= most:

@@ -60,7 +60,7 @@ class TfRepublisher:
         )
 
     def topics(self) -> Iterator[Topic]:
-        """Yield the topics that somebody reads, or has just asked for."""
+        """Yield the topics that a client reads, or has just asked for."""
         oldest = monotonic() - _KEPT
         known = self._topics.items()
         self._topics = {name: one for name, one in known if one[1][0] > oldest}

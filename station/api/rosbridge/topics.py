@@ -1,4 +1,4 @@
-"""The topics of a station: what is published, and what clients may publish to."""
+"""The topics of a station: published ones, and those that take commands of clients."""
 
 import asyncio
 import re
@@ -85,7 +85,7 @@ class CycleFrame(NamedTuple):
     """The newest cycle.
 
     Attributes:
-        snapshot: What the cycle has left.
+        snapshot: Snapshot of the cycle.
         stamp: Its wall time [ns since 1970].
     """
 
@@ -111,8 +111,8 @@ class Topic:
         period: Time between two messages [s]; 0 for every tick, or `LATCHED`.
         in_pause: Whether messages come while station time stands still.
         is_quick: Whether `write` returns at once, so that no thread is needed; then it
-            may return what is to be awaited.
-        changes: Whether what clients publish changes something of the station.
+            may return an awaitable.
+        changes: Whether a message of a client changes something of the station.
         due: When the next message is due [s, clock of the event loop].
     """
 
@@ -281,7 +281,7 @@ class StationTopics:
         return replace(urdf, joints=fixed), replace(urdf, joints=moving)
 
     def _clock(self, frame: CycleFrame) -> Values | None:
-        """Return the time, while it does not pass as on the wall."""
+        """Return station time while it is paused or differs in speed from wall time."""
         found = self._station.simulation.find()
         if found is None or (not found.paused and found.real_time_factor == 1.0):
             return None
@@ -299,7 +299,7 @@ class StationTopics:
         return filled("sensor_msgs/CompressedImage", content, self._stamp(found.stamp))
 
     def _log_line(self, _: CycleFrame) -> Values | None:
-        """Return the next event; one that nobody has read for long is left out."""
+        """Return the next event; an old one without a reader is left out."""
         if self._log.newest_id == self._logged:
             return None
         event = self._log.recent(self._logged)[-_MOST_EVENTS:][0]

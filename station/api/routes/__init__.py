@@ -1,4 +1,4 @@
-"""The routes, a file for what belongs together; `api_router` has them all."""
+"""The routes, a file for each resource; `api_router` has them all."""
 
 from fastapi import APIRouter
 

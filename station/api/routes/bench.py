@@ -39,7 +39,7 @@ def measure_response(
     access: AccessDep,
     key: LeaseKey = None,
 ) -> BenchResponse:
-    """Excite one joint through a running controller, and return how it follows.
+    """Excite one joint through a running controller, and return its response.
 
     The answer comes when the joint is back where it began, and is kept as a run. Before
     anything moves the excitation is checked: size, rate, and distance from the joint's

@@ -104,8 +104,8 @@ def submit_goal(
 ) -> wire.Goal:
     """Give a running controller a goal; it replaces the one before.
 
-    A stop, a reset or a recovery ends the goal, and so does whoever takes control by
-    force; nothing resumes it.
+    A stop, a reset or a recovery ends the goal, and so does a client that takes
+    control by force; nothing resumes it.
     """
     admit = partial(services.control.admit, access, key, name)
     with by_rehearsal.giving("goal", name=name, request=request.goal) as receipt:

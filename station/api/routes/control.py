@@ -1,4 +1,4 @@
-"""Routes of control: the lease of an operator, and what agents ask a person for."""
+"""Routes of control: the lease of an operator, and requests of agents."""
 
 import time
 
@@ -46,7 +46,7 @@ def take_control(
 ) -> ControlState:
     """Take control, or keep it: the owner's call is a heartbeat.
 
-    While somebody holds control, the changes of all other operators are refused (423)
+    While a client holds control, the changes of all other operators are refused (423)
     with the owner's name. The stop is never refused. The answer has the `lease`, which
     the owner's requests carry in the header `X-Control-Lease`; those with a named token
     or a browser's session of the owner need none.
@@ -132,9 +132,9 @@ async def list_agent_requests(services: ServicesDep) -> AgentRequests:
 async def answer_agent(
     number: str, answer: AgentAnswer, services: ServicesDep, connection: Request
 ) -> AgentRequest:
-    """Allow or refuse what an agent asks for; only a person can.
+    """Allow or refuse a request of an agent; only a person can.
 
-    The answer takes no control from the agent. A request that nobody answers in time is
+    The answer takes no control from the agent. A request without an answer in time is
     refused.
     """
     return services.agents.decide(

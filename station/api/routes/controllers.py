@@ -169,8 +169,8 @@ def set_parameter(
 ) -> Parameter:
     """Set a parameter; controllers that are loaded afterwards read it.
 
-    Missing namespaces are made. A controller that is loaded already keeps what it has
-    read; its gains are changed by PATCH of its gains.
+    Missing namespaces are made. A controller that is loaded already keeps the values
+    that it read; its gains are changed by PATCH of its gains.
     """
     station.parameter_server.set(path, request.value)
     return _parameter(path, request.value)

@@ -1,4 +1,4 @@
-"""Events, whose answers are pages or endless, and alarms: what asks for a person."""
+"""Events, in pages or as an endless answer, and alarms, which ask for a person."""
 
 from typing import Annotated
 
@@ -102,7 +102,7 @@ Number = Annotated[
 def list_alarms(services: ServicesDep) -> Alarms:
     """List the alarms, newest first.
 
-    An alarm leaves the list once its cause is gone and somebody has acknowledged it, in
+    An alarm leaves the list once its cause is gone and a person has acknowledged it, in
     either order.
     """
     found = [answers.alarm(each) for each in services.alarms.all()]

@@ -108,7 +108,7 @@ def undo_gains(services: ServicesDep) -> wire.GainsChanges:
 
 @router.get("/gain-sets/{name}", responses=problems(404, 422))
 def get_gain_set(name: Name, services: ServicesDep) -> wire.GainSet:
-    """Return a set, and where it differs from the gains in force."""
+    """Return a set, and its differences from the gains in force."""
     return _gain_set(services, services.gain_sets.get(name))
 
 

@@ -41,7 +41,7 @@ def list_lessons(
 def begin_lesson(
     name: Name, request: LessonBeginRequest, services: ServicesDep, access: AccessDep
 ) -> Lesson:
-    """Begin a lesson: from now on the station watches what the robot does."""
+    """Begin a lesson: from now on the station watches the robot."""
     return services.lessons.begin(name, request.person or access.name)
 
 
@@ -49,6 +49,6 @@ def begin_lesson(
 def check_lesson(
     name: Name, request: LessonCheckRequest, services: ServicesDep, access: AccessDep
 ) -> LessonResult:
-    """Check what was done since the lesson was begun; the attempt goes on."""
+    """Check the robot's motions since the lesson was begun; the attempt goes on."""
     person = request.person or access.name
     return services.lessons.check(name, person, request.answers)

@@ -92,7 +92,7 @@ def delete_waypoint_path(name: PathName, services: ServicesDep) -> WaypointPath:
 def capture_waypoint(
     name: PathName, services: ServicesDep, request: wire.CaptureRequest | None = None
 ) -> WaypointPath:
-    """Add where the joints are now to the end of a path; the first one makes it.
+    """Add the present positions to the end of a path; make the path if it is new.
 
     Captured are the joints that loaded trajectory controllers move; without such a
     controller, all joints.

@@ -224,7 +224,7 @@ def both(
     """Return a decorator that makes a route of a recording and one of an incident.
 
     Args:
-        routes: Where the routes go.
+        routes: Router that gets the routes.
         method: HTTP method.
         path: Path below that of the recording or the incident.
         name: Name of the operation, with `{}` for the noun.
@@ -281,7 +281,7 @@ def get_table(
 ) -> StreamingResponse:
     """Return a recording or an incident that has ended as CSV, a row per cycle.
 
-    A column is called after its channel, its field and what the number belongs to, e.g.
+    A column is called after its channel, its field and the number's joint or axis, e.g.
     `joint_states/position/panda_joint1`; `cycle`, `time`, `period` and `epoch` come
     first. Where a channel has no message in a cycle, it has `nan`.
     """

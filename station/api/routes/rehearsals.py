@@ -1,4 +1,4 @@
-"""Rehearsals: what a command would do, and commands as they were rehearsed."""
+"""Rehearsals: forecasts of commands, and certificates for rehearsed commands."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

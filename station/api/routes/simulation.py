@@ -65,14 +65,14 @@ def scene(station: StationDep) -> wire.Scene:
 def put_scene_object(
     name: ObjectName, request: wire.SceneObjectRequest, station: StationDep
 ) -> wire.SceneObject:
-    """Add an object with a role, or change, move or drag the one of that name."""
+    """Add an object with a role, or change, move or drag an object of that name."""
     values = request.model_dump(exclude_unset=True)
     return wire.SceneObject.model_validate(station.surroundings.put(name, values))
 
 
 @router.delete("/scene/{name}", **change(404, 409, 503))
 def delete_scene_object(name: ObjectName, station: StationDep) -> wire.Scene:
-    """Remove an object with a role; answers with what is left."""
+    """Remove an object with a role; answers with the remaining objects."""
     station.surroundings.remove(name)
     return scene(station)
 
@@ -86,7 +86,7 @@ def attach_scene_object(
 ) -> wire.SceneObject:
     """Let an arm carry an object: it moves with the hand and is guarded as its part.
 
-    The arm is told the load, so it must not move. A simulated body stays a body: the
+    The load of the arm is set, so it must not move. A simulated body stays a body: the
     fingers have to hold it.
     """
     asked = request or wire.AttachRequest()
@@ -101,7 +101,7 @@ def attach_scene_object(
 def detach_scene_object(
     name: ObjectName, station: StationDep, request: wire.DetachRequest | None = None
 ) -> wire.SceneObject:
-    """Let an object that an arm carries stay where it is now."""
+    """Let an object that an arm carries stay at its present pose."""
     asked = request or wire.DetachRequest()
     found = station.surroundings.detach(name, load=asked.load)
     return wire.SceneObject.model_validate(found)
@@ -125,7 +125,7 @@ def save_scene(
 ) -> SavedScene:
     """Save the objects that have a role now; a scene of that name is replaced.
 
-    Solid objects and what an arm carries are left out.
+    Solid and carried objects are left out.
     """
     return services.scenes.save(name, station.surroundings.entries())
 

@@ -30,7 +30,7 @@ class Broadcaster:
     """All streams of a station. For one event loop.
 
     Args:
-        station: Where the data comes from.
+        station: Source of the data.
         slow_after: A client that takes nothing for so long is closed [s].
         max_clients: More are turned away. Viewers together get at most three quarters
             of them, and each browser's session a quarter, so that no viewer can keep

@@ -127,7 +127,7 @@ class StateChannel(Channel):
     Args:
         request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
-        topic: Where the state comes from.
+        topic: Source of the state.
         rate: Frames per second [Hz].
     """
 
@@ -186,7 +186,7 @@ class FullChannel(Channel):
     Args:
         request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
-        topic: Where the samples come from.
+        topic: Source of the samples.
     """
 
     def __init__(
@@ -254,7 +254,7 @@ class EventChannel(Channel):
     Args:
         request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
-        topic: Where the events come from.
+        topic: Source of the events.
         rate: How often it looks for events [Hz].
     """
 
@@ -323,7 +323,7 @@ class EventChannel(Channel):
 def open_channel(
     request: StreamRequest, topic: Topic, right_of_way: RightOfWay
 ) -> Channel:
-    """Return a channel for what a client asks for."""
+    """Return the channel that a client asks for."""
     if isinstance(topic, EventsTopic):
         rate = request.rate or topic.default_rate
         return EventChannel(request, right_of_way, topic, rate)

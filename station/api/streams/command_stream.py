@@ -1,8 +1,8 @@
 """Streams of set-points: a client sends, the newest wins, silence lets it expire.
 
-The set-points go the way of PUT `/controllers/{name}/command`, with its checks and
-limits. What comes faster than the event loop turns is not even parsed: of the messages
-that wait, the last one counts, and the others are reported as superseded.
+The set-points are treated like those of PUT `/controllers/{name}/command`, with its
+checks and limits. What comes faster than the event loop turns is not even parsed: of
+the messages that wait, the last one counts, and the others are reported as superseded.
 """
 
 import asyncio
@@ -195,7 +195,7 @@ class CommandStream:
         """Hand the newest message on, again and again.
 
         Raises:
-            ControlHeldError: Somebody else holds control.
+            ControlHeldError: Another client holds control.
         """
         while True:
             await self._news.wait()
@@ -221,7 +221,7 @@ class CommandStream:
         """Check a set-point and hand it on.
 
         Raises:
-            ControlHeldError: Somebody else holds control.
+            ControlHeldError: Another client holds control.
             ValueError: The message is malformed, or asks to be valid for too long.
         """
         motion, request = self._station.motion, self._request

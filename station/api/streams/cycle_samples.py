@@ -38,7 +38,7 @@ class CycleSamples(ABC):
 
     Args:
         station: The station.
-        head: Returns what a batch has besides its samples.
+        head: Returns the fields of a batch besides its samples.
         limit: Most cycles in one batch.
     """
 
@@ -97,7 +97,7 @@ class RingSamples(CycleSamples):
     Args:
         station: The station.
         sample: Returns the fields of a cycle; None when that cycle has none.
-        head: Returns what a batch has besides its samples.
+        head: Returns the fields of a batch besides its samples.
     """
 
     def __init__(
@@ -130,13 +130,13 @@ class RingSamples(CycleSamples):
 
 
 class TapSamples(CycleSamples, Generic[SampleT]):
-    """Samples that the control thread takes while somebody reads them.
+    """Samples that the control thread takes while a client reads them.
 
     Args:
         station: The station.
-        take: Returns what is kept of a cycle; control thread.
-        show: Returns the fields of what was kept.
-        head: Returns what a batch has besides its samples.
+        take: Returns the kept values of a cycle; control thread.
+        show: Returns the fields of kept values.
+        head: Returns the fields of a batch besides its samples.
         limit: Most cycles in one batch.
     """
 

@@ -43,8 +43,8 @@ def encode(
         topic: Name of the topic, or `hello`.
         payload: Content; numbers that are not finite become null in JSON.
         seq: Its number in its stream.
-        format: How to write it.
-        fields: Only these keys of the data, or of each sample of a batch; all when
+        format: Encoding of the frame.
+        fields: Keys to send of the data, or of each sample of a batch; all when
             empty. A batch keeps its own keys.
         boot_id: The station's; left out when empty.
     """

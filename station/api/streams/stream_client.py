@@ -15,7 +15,7 @@ class StreamPort(Protocol):
         """Hand a whole WebSocket frame to the connection."""
 
     def is_writable(self) -> bool:
-        """Return whether the connection takes more: the client reads what it gets."""
+        """Return whether the connection takes more bytes."""
 
     def listen(self, resumed: Callable[[], None] | None) -> None:
         """Call `resumed` whenever the connection takes more again."""
@@ -32,7 +32,7 @@ class StreamClient:
 
     Args:
         port: The client's connection.
-        channel: Where the frames come from.
+        channel: Source of the frames.
         slow_after: How long the connection may take nothing [s].
     """
 

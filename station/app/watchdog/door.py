@@ -36,12 +36,12 @@ class Door(ThreadingHTTPServer):
     Args:
         listener: Listening, loopback.
         settings: The tokens of the station that are accepted, besides named ones.
-        watch: Answers what the station does, and holds the arms on a stop.
+        watch: Knows the state of the station, and holds the arms on a stop.
         clock: Returns the monotonic time that `watch` looks at [s].
         request_time: How long a client may send nothing [s], > 0.
 
     Attributes:
-        lock: Held by whoever uses `watch` while clients are served.
+        lock: Lock of `watch` while clients are served.
     """
 
     timeout = 0.0
@@ -156,7 +156,7 @@ class Door(ThreadingHTTPServer):
             self._open.remove(client)
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Print the error of a thread, if it is one."""
+        """Print the error of a thread, unless a client has gone."""
         # A client that is gone is no error, and nobody may read stderr any more.
         if not isinstance(sys.exception(), OSError):
             with suppress(OSError):
@@ -231,7 +231,7 @@ class _Client(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - its name
-        """Log nothing: stderr is the watchdog's, for what a user has to know."""
+        """Log nothing: stderr is for the watchdog's messages to users."""
 
 
 def _problem(code: str, detail: str) -> dict[str, object]:

@@ -23,7 +23,7 @@ class WatchdogSettings(NamedTuple):
         pid: The station's process.
         operator_token: Token that may do everything here.
         viewer_token: Token that may read and stop.
-        incident_directory: Where incident files are written; made when needed.
+        incident_directory: Folder of the incident files; made when needed.
         hold_commands: Command lines that make the drivers of real arms hold; each is
             started without a shell when the loop stalls, and must end within 1 s.
         stack_signal: Signal upon which the station writes the stacks of its threads to
@@ -65,8 +65,8 @@ class Watch:
         settings: Process to watch, and the limits.
         tell: Takes a line for the station's user.
         send: Sends the station a signal.
-        forget_stacks: Removes what the station has written on earlier stack signals.
-        read_stacks: Returns what the station has written on `stack_signal`.
+        forget_stacks: Removes the stacks that the station wrote on earlier signals.
+        read_stacks: Returns the stacks that the station wrote on `stack_signal`.
     """
 
     def __init__(
@@ -316,10 +316,10 @@ KEPT = 100
 
 
 class Incident:
-    """One incident, and the file that tells of it. The file is replaced as a whole.
+    """One incident, and its file. The file is replaced as a whole.
 
     Args:
-        directory: Where the file goes.
+        directory: Receives the file.
         pid: The station's process.
         facts: Facts at the beginning; more are added with `add`.
 

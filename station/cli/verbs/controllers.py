@@ -147,7 +147,7 @@ def add_view_controller_chains(parser: "Parser") -> None:
 
 
 def view_controller_chains(options: Namespace) -> int:
-    """Print the controllers in the order of their updates, with what they command."""
+    """Print the controllers in the order of their updates, with their chains."""
     with open_client(options) as client:
         chains = client.chains()
     if options.dot:
@@ -252,7 +252,7 @@ def _find_type(types: "list[ControllerType]", name: str) -> "ControllerType":
     """Return the type of that name.
 
     Raises:
-        UsageError: There is none.
+        UsageError: The type is unknown.
     """
     for each in types:
         if each.type == name:

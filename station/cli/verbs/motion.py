@@ -153,7 +153,7 @@ def _target(options: Namespace) -> "Target | Pose":
     """Return the target of a motion.
 
     Raises:
-        UsageError: The numbers are those of no pose, or the way there is not planned.
+        UsageError: The numbers are no pose, or no path there was found.
     """
     from station.client.poses import Pose
 

@@ -60,7 +60,7 @@ def _steps(client: "StationClient", options: Namespace) -> "list[dict[str, JsonV
     """Return the steps that the arguments ask for.
 
     Raises:
-        UsageError: They do not say what to rehearse, or the file holds no steps.
+        UsageError: The command to rehearse is missing, or the file holds no steps.
     """
     if options.file is not None:
         return _steps_of_file(options.file)

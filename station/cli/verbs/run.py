@@ -310,7 +310,7 @@ def _tell_line_json(line: str) -> None:
 
 
 def fetch_robot(options: Namespace) -> int:
-    """Fetch the Panda's description and say where it is."""
+    """Fetch the Panda's description and print its folder."""
     from station.app.panda_fetch import fetch_panda
 
     directory = fetch_panda(say_progress)

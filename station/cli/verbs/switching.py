@@ -139,7 +139,7 @@ def spawn(options: Namespace) -> int:
 
 
 def kill(options: Namespace) -> int:
-    """Stop controllers, those that run, and unload them (ROS 1)."""
+    """Stop the running ones of some controllers, and unload all of them (ROS 1)."""
     with open_client(options) as client:
         code = stop_running(client, options)
         for name in options.names:

@@ -20,7 +20,13 @@ from station.controllers.set_point_controller import (
 )
 from station.core.control.controller import ControllerSample
 from station.core.control.tunables import Tunable, Tunables
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_number,
+    declare_numbers,
+    declare_string,
+    declare_strings,
+)
 from station.core.description.chains_of_frames import chain_to
 from station.core.description.robot_description import (
     ROBOT_DESCRIPTION,
@@ -35,7 +41,7 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.robot_hw import RobotHW
-from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.arm_chain import JointChain
 from station.core.parameters import Parameters
 from station.core.ports.set_point import (
     timeout_parameters,
@@ -45,80 +51,57 @@ from station.memory.doubles import doubles, put, zeros
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
-def _text(name: str, description: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name, type=ParameterType.STRING, description=description
-    )
-
-
 def _numbers(
     name: str, text: str, size: int, least: float, most: float = inf
 ) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBERS,
-        size=size,
-        minimum=least,
-        maximum=most,
-        description=text,
-    )
+    return declare_numbers(name, text, size=size, minimum=least, maximum=most)
 
 
 def _number(
     name: str, text: str, default: float, unit: str = "", most: float = inf
 ) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBER,
-        unit=unit,
-        default=default,
-        minimum=0.0,
-        maximum=most,
-        description=text,
-    )
+    return declare_number(name, text, default, unit, minimum=0.0, maximum=most)
 
 
-_COMMANDS = DeclaredParameter(
-    name="command_interfaces",
-    type=ParameterType.STRINGS,
-    description="what is commanded: `position` or `velocity`",
+_COMMANDS = declare_strings(
+    "command_interfaces", "what is commanded: `position` or `velocity`"
 )
-_REFERENCES = DeclaredParameter(
-    name="chainable_command_interfaces",
-    type=ParameterType.STRINGS,
-    default=("position", "velocity"),
-    description="the references: `position`, or `position` and `velocity`",
+_REFERENCES = declare_strings(
+    "chainable_command_interfaces",
+    "the references: `position`, or `position` and `velocity`",
+    ("position", "velocity"),
 )
-_BASE = _text("kinematics/base", "the link that carries the arm")
-_TIP = _text("kinematics/tip", "the link at the end of the arm")
+_BASE = declare_string("kinematics/base", "the link that carries the arm")
+_TIP = declare_string("kinematics/tip", "the link at the end of the arm")
 _ALPHA = _number("kinematics/alpha", "damping of the inverse of the Jacobian", 0.01)
-_SENSOR = _text("ft_sensor/name", "the force-torque sensor")
-_SENSOR_FRAME = _text("ft_sensor/frame/id", "the link in whose frame it measures")
+_SENSOR = declare_string("ft_sensor/name", "the force-torque sensor")
+_SENSOR_FRAME = declare_string(
+    "ft_sensor/frame/id", "the link in whose frame it measures"
+)
 _SMOOTHING = _number(
     "ft_sensor/filter_coefficient",
     "share of a new measurement in the force",
     0.05,
     most=1.0,
 )
-_CONTROL_FRAME = _text("control/frame/id", "the link whose axes the rule has")
-_WORLD_FRAME = _text("fixed_world_frame/frame/id", "a link whose z axis points upwards")
-_CENTRE_FRAME = _text(
+_CONTROL_FRAME = declare_string("control/frame/id", "the link whose axes the rule has")
+_WORLD_FRAME = declare_string(
+    "fixed_world_frame/frame/id", "a link whose z axis points upwards"
+)
+_CENTRE_FRAME = declare_string(
     "gravity_compensation/frame/id", "the link in whose frame the centre of gravity is"
 )
-_CENTRE = DeclaredParameter(
-    name="gravity_compensation/CoG/pos",
-    type=ParameterType.NUMBERS,
+_CENTRE = declare_numbers(
+    "gravity_compensation/CoG/pos",
+    "centre of gravity of what the sensor carries",
     unit="m",
     size=3,
-    description="centre of gravity of what the sensor carries",
 )
 _WEIGHT = _number(
     "gravity_compensation/CoG/force", "weight of what the sensor carries", 0.0, "N"
 )
-_SELECTED = DeclaredParameter(
-    name="admittance/selected_axes",
-    type=ParameterType.NUMBERS,
-    description="which axes give way, x y z rx ry rz: booleans",
+_SELECTED = declare_numbers(
+    "admittance/selected_axes", "which axes give way, x y z rx ry rz: booleans"
 )
 _MASS = _numbers("admittance/mass", "masses [kg, kg m^2]", 6, 1e-4, 1e6)
 _RATIO = _numbers("admittance/damping_ratio", "damping ratios", 6, 0.0)

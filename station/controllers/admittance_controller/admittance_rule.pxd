@@ -1,8 +1,7 @@
 from station.core.numerics.arm_chain cimport (
-    torques_of, turn_to_inner_axes, turn_to_outer_axes, twist_of)
-from station.core.numerics.joint_chain cimport JointChain
+    JointChain, WrenchEquation, torques_of, turn_to_inner_axes, turn_to_outer_axes,
+    twist_of)
 from station.core.numerics.rigid_motion cimport twist_between
-from station.core.numerics.wrench_equation cimport WrenchEquation
 
 cdef class AdmittanceRule:
     cdef Py_ssize_t size
@@ -13,6 +12,5 @@ cdef class AdmittanceRule:
     cdef readonly double[::1] damping, stiffness, force, error, velocity
     cdef readonly double[::1] positions, velocities, accelerations
     cdef public double smoothing, inverse_damping, joint_damping
-    cdef void smooth_force(self) noexcept
     cpdef void compute_motion(
         self, double[::1] q, double[::1] q_ref, double period) noexcept

@@ -7,7 +7,7 @@ With the force F at the sensor, and the way x of the sensor from its reference:
     dq += ddq dt, dq_0 += dq dt, q_d = q_ref + dq_0
 
 S, D and K are diagonal in the axes of the control frame, M in those of the base. S
-selects axes. F is what the sensor measures less the weight of the tool,
+selects axes. F is the measured wrench less the weight of the tool,
 smoothed.
 
 Source: ros2_controllers@4.x admittance_controller/admittance_rule_impl.hpp; the inverse
@@ -15,14 +15,14 @@ of J is that of kinematics_interface_kdl.
 """
 
 from station.core.numerics.arm_chain import (
+    JointChain,
+    WrenchEquation,
     torques_of,
     turn_to_inner_axes,
     turn_to_outer_axes,
     twist_of,
 )
-from station.core.numerics.joint_chain import JointChain
 from station.core.numerics.rigid_motion import twist_between
-from station.core.numerics.wrench_equation import WrenchEquation
 from station.memory.doubles import Doubles, doubles, zeros
 
 
@@ -37,8 +37,8 @@ class AdmittanceRule:
         centre: Chain to the frame in which the centre of gravity is given.
 
     Attributes:
-        wrench: What the sensor measures in its own axes [N, Nm], shape (6,); written by
-            the owner, as what follows.
+        wrench: Measured wrench, in the axes of the sensor [N, Nm], shape (6,); written
+            by the owner, as what follows.
         weight: Weight of the tool in the axes of the base [N], shape (3,).
         centre_of_gravity: Its centre in the frame `centre` [m], shape (3,).
         selected: 1 for each axis that a force moves, shape (6,).
@@ -99,19 +99,6 @@ class AdmittanceRule:
             self.positions[joint] = self.velocities[joint] = 0.0
             self.accelerations[joint] = 0.0
 
-    def smooth_force(self) -> None:
-        """Take the measurement over, without the weight of the tool."""
-        measured, weight, arm, force = self.measured, self.weight, self.arm, self.force
-        turn_to_outer_axes(self.sensor.pose, self.wrench, measured)
-        turn_to_outer_axes(self.centre.pose, self.centre_of_gravity, arm)
-        for k in range(3):
-            measured[k] -= weight[k]
-        measured[3] -= arm[1] * weight[2] - arm[2] * weight[1]
-        measured[4] -= arm[2] * weight[0] - arm[0] * weight[2]
-        measured[5] -= arm[0] * weight[1] - arm[1] * weight[0]
-        for k in range(6):
-            force[k] = self.smoothing * measured[k] + (1.0 - self.smoothing) * force[k]
-
     def compute_motion(self, q: Doubles, q_ref: Doubles, period: float) -> None:
         """Move the joints on from their reference.
 
@@ -126,7 +113,17 @@ class AdmittanceRule:
         self.reference.place(q_ref)
         self.control.place(q)
         self.centre.place(q)
-        self.smooth_force()
+        # The measurement without the weight of the tool.
+        measured, weight, arm, force = self.measured, self.weight, self.arm, self.force
+        turn_to_outer_axes(self.sensor.pose, self.wrench, measured)
+        turn_to_outer_axes(self.centre.pose, self.centre_of_gravity, arm)
+        for k in range(3):
+            measured[k] -= weight[k]
+        measured[3] -= arm[1] * weight[2] - arm[2] * weight[1]
+        measured[4] -= arm[2] * weight[0] - arm[0] * weight[2]
+        measured[5] -= arm[0] * weight[1] - arm[1] * weight[0]
+        for k in range(6):
+            force[k] = self.smoothing * measured[k] + (1.0 - self.smoothing) * force[k]
         twist_between(self.reference.pose, sensor.pose, 1.0, self.error)
         frame = self.control.pose
         turn_to_inner_axes(frame, self.force, turned)

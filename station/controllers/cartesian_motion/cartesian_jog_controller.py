@@ -12,7 +12,7 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
 )
 from station.controllers.cartesian_motion.end_effector_sample import TwistSample
 from station.core.control.tunables import Tunable, Tunables
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import DeclaredParameter, declare_string
 from station.core.errors import InvalidCommandError, InvalidGainError
 from station.core.franka import Frame
 from station.core.hardware.robot_hw import RobotHW
@@ -69,12 +69,11 @@ class TwistSetPointPort(SetPointPort):
 
 FRAMES = ("O", "EE")
 """Axes in which a twist may be given: of the base O, or of the end effector EE."""
-_FRAME = DeclaredParameter(
-    name="frame",
-    type=ParameterType.STRING,
-    default=FRAMES[0],
+_FRAME = declare_string(
+    "frame",
+    "axes in which the twist is given: `O` (base) or `EE` (end effector)",
+    FRAMES[0],
     choices=FRAMES,
-    description="axes in which the twist is given: `O` (base) or `EE` (end effector)",
 )
 
 

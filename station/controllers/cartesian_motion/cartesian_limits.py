@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 from station.controllers.smoothed_motion.axis_limits import AxisLimits
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import DeclaredParameter, declare_number
 from station.core.parameters import Parameters
 
 SHARE_OF_AN_AXIS = 1.0 / sqrt(3.0)
@@ -77,15 +77,14 @@ def _declare(
 ) -> tuple[DeclaredParameter, ...]:
     orders = ((length + "/s", "velocity"), (length + "/s^2", "acceleration"))
     return tuple(
-        DeclaredParameter(
-            name=f"max_{kind}_{quantity}",
-            type=ParameterType.NUMBER,
-            unit=unit,
-            default=float(getattr(default, quantity)),
+        declare_number(
+            f"max_{kind}_{quantity}",
+            _MEANINGS[f"max_{kind}_{quantity}"],
+            float(getattr(default, quantity)),
+            unit,
             minimum=0.0,
             excludes_minimum=True,
             maximum=float(getattr(largest, quantity)),
-            description=_MEANINGS[f"max_{kind}_{quantity}"],
         )
         for unit, quantity in (*orders, (length + "/s^3", "jerk"))
     )

@@ -99,7 +99,6 @@ class EndEffectorUpdate:
         command: Doubles,
     ) -> None:
         self.active = active
-        self.port = active.port
         self.steer = steer
         self.generator = generator
         self.lookahead = lookahead
@@ -128,36 +127,30 @@ class EndEffectorUpdate:
         Raises:
             CommandTimeoutError: The set-point has expired and the action is `stop`.
         """
-        if not self.is_resting or self.port.has_changed():
-            self.move(time, period)
+        if not self.is_resting or self.active.port.has_changed():
+            set_point, generator = self.active.newest(), self.generator
+            if set_point is not self.steered:
+                self.steered = set_point if self.steer(set_point) else None
+            if generator.is_still():
+                self.note(_NONE, None, time)
+            else:
+                self.advance(time, period)
+                copy_into(self.command, 0, self.pose, _POSE)
+            # While an obstacle is published, the next cycles have to end that.
+            self.is_resting = generator.is_still() and self.obstacle is _NONE
         self.sample.keep(time)
 
-    def move(self, time: float, period: float) -> None:
-        """Advance the motion if the joints can follow, else brake."""
-        set_point, generator = self.active.newest(), self.generator
-        if set_point is not self.steered:
-            self.steered = set_point if self.steer(set_point) else None
-        if generator.is_still():
-            self.note(_NONE, None, time)
-        else:
-            self.advance(time, period)
-            copy_into(self.command, 0, self.pose, _POSE)
-        # While an obstacle is published, the next cycles have to end that.
-        self.is_resting = generator.is_still() and self.obstacle is _NONE
-
     def advance(self, time: float, period: float) -> None:
-        """Advance the generator; brake where the joints cannot follow."""
+        """Advance the motion if the joints can follow, else brake."""
         generator, lookahead = self.generator, self.lookahead
+        motion = generator.motion
         generator.advance(period)
-        if period == 0.0 or lookahead.passes(generator):
+        if period == 0.0 or lookahead.passes(motion) or motion.is_at_rest():
             self.note(_NONE, None, time)
             return
-        if generator.is_at_rest():
-            self.note(_NONE, None, time)
-            return
-        can_rest = lookahead.allows(generator)
+        can_rest = lookahead.allows(motion)
         self.note(lookahead.obstacle, lookahead.joint, time)
-        if not can_rest or not generator.stays_within_speed():
+        if not can_rest or not motion.stays_within_speed():
             # Braking from the previous state was found possible in the previous cycle.
             generator.undo()
             generator.brake()
@@ -180,7 +173,7 @@ class CartesianMotionController(MultiInterfaceController):
     comes to rest within the limits and holds. It also comes to rest before the joints
     would reach a limit, a singular pose or a collision of the arm with itself;
     `published` then names the obstacle, and the motion continues when the set-point
-    leads elsewhere. A subclass defines what a set-point means.
+    leads elsewhere. A subclass defines the meaning of a set-point.
 
     Parameters: `arm_id`; `joint_names`, 7 names; see `read_cartesian_limits`,
     `read_lookahead_settings`; `command_timeout` [s], 0.2, at most 1.0;

@@ -1,8 +1,6 @@
-from station.controllers.cartesian_motion.cartesian_motion_generator cimport (
-    CartesianMotionGenerator)
+from station.controllers.cartesian_motion.cartesian_motion_generator cimport PoseMotion
 from station.controllers.cartesian_motion.linear_kinematics cimport (
     LinearKinematics, StopPrediction)
-from station.controllers.cartesian_motion.pose_motion cimport PoseMotion
 from station.core.franka.model_sources cimport ModelSource
 from station.memory.vectors cimport copy_into
 
@@ -22,7 +20,7 @@ cdef class JointLookahead:
     cdef readonly object obstacle, joint
     cdef ArmConfiguration _present, _resting, _other
     cdef double _dexterity, _clearance
-    cpdef bint passes(self, CartesianMotionGenerator motion) except -1
-    cpdef bint allows(self, CartesianMotionGenerator motion) except -1
+    cpdef bint passes(self, PoseMotion motion) except -1
+    cpdef bint allows(self, PoseMotion motion) except -1
     cdef _obstacle_at(self, ArmConfiguration resting)
     cdef _speed_obstacle(self, LinearKinematics resting, PoseMotion motion)

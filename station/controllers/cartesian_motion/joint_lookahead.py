@@ -7,20 +7,22 @@ Jacobians and distances are computed again only when the joints have moved, not 
 cycle.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
-from station.controllers.cartesian_motion.cartesian_motion_generator import (
-    CartesianMotionGenerator,
-)
+from station.controllers.cartesian_motion.cartesian_motion_generator import PoseMotion
 from station.controllers.cartesian_motion.linear_kinematics import (
     LinearKinematics,
     StopPrediction,
 )
-from station.controllers.cartesian_motion.pose_motion import PoseMotion
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    ParameterType,
+    declare_number,
+)
 from station.core.description.robot_description import JointDescription
 from station.core.franka import Frame, FrankaModelHandle
 from station.core.franka.franka_model import FrankaModel
@@ -39,19 +41,27 @@ class ArmConfiguration:
 
     Args:
         model: The arm's model.
-        state: Its state, which tells what the end effector is.
+        state: State of the arm, which has frame and load of the end effector.
+        velocity: Largest joint velocities [rad/s], shape (7,).
+        acceleration: Largest joint accelerations [rad/s^2], shape (7,).
 
     Attributes:
         motion: Motions of the joints that belong to motions of the end effector.
     """
 
-    def __init__(self, model: FrankaModel, state: RobotState) -> None:
+    def __init__(
+        self,
+        model: FrankaModel,
+        state: RobotState,
+        velocity: Iterable[float],
+        acceleration: Iterable[float],
+    ) -> None:
         q, jacobian = own([0.0] * _DOF), own([0.0] * (6 * _DOF))
         frame = Frame.END_EFFECTOR
         tool = state.doubles("F_T_EE"), state.doubles("EE_T_K")
         self._pose_source = model.pose_source(frame, q, *tool)
         self._jacobian_source = model.zero_jacobian_source(frame, q, *tool)
-        self.motion = LinearKinematics(q, jacobian)
+        self.motion = LinearKinematics(q, jacobian, own(velocity), own(acceleration))
         self._q, self._jacobian = q, jacobian
 
     def move_to(self, q: Doubles) -> None:
@@ -114,14 +124,13 @@ class LookaheadSettings:
 def _declare(
     name: str, unit: str, bounds: tuple[float, float], description: str
 ) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBER,
-        unit=unit,
-        default=float(getattr(_DEFAULT, name)),
+    return declare_number(
+        name,
+        description,
+        float(getattr(_DEFAULT, name)),
+        unit,
         minimum=bounds[0],
         maximum=bounds[1],
-        description=description,
     )
 
 
@@ -230,7 +239,7 @@ class JointLookahead:
         self._model = model.model
         self._joints = joints
         self._settings = settings
-        margin, share = settings.joint_limit_margin, settings.joint_velocity_share
+        margin = settings.joint_limit_margin
         # Pose of the end effector at the configuration at rest, and joint positions at
         # rest after a new step.
         self._pose, self._new = zeros(16), zeros(7)
@@ -239,8 +248,6 @@ class JointLookahead:
             self._new,
             lower=[joint.lower + margin for joint in joints],
             upper=[joint.upper - margin for joint in joints],
-            velocity=[joint.velocity * share for joint in joints],
-            acceleration=settings.max_joint_acceleration,
         )
         self.obstacle = _NONE
         self.joint: str | None = None
@@ -266,7 +273,7 @@ class JointLookahead:
         self._dexterity = self._resting.dexterity()
         self._note_clearance(self._model.clearance(self._q_d))
 
-    def passes(self, motion: CartesianMotionGenerator) -> bool:
+    def passes(self, motion: PoseMotion) -> bool:
         """Allow a step that is allowed beyond doubt; return whether it was.
 
         Of a step that comes near a limit or leads away from the known configurations
@@ -275,12 +282,12 @@ class JointLookahead:
         Args:
             motion: The motion after the step.
         """
-        if not self._prediction.passes(motion.motion):
+        if not self._prediction.passes(motion):
             return False
         self.obstacle, self.joint = _NONE, None
         return True
 
-    def allows(self, motion: CartesianMotionGenerator) -> bool:
+    def allows(self, motion: PoseMotion) -> bool:
         """Return whether the joints can follow a step; note the obstacle if not.
 
         A step that increases the distance to an obstacle is allowed, so that the arm
@@ -290,13 +297,13 @@ class JointLookahead:
             motion: The motion after the step.
         """
         resting = self._resting
-        if self._prediction.leads_away(motion.motion):
+        if self._prediction.leads_away(motion):
             resting = self._other
             resting.move_to(self._new)
         self.joint = None
         self.obstacle = self._obstacle_at(resting)
         if self.obstacle is _NONE:
-            self.obstacle = self._speed_obstacle(resting.motion, motion.motion)
+            self.obstacle = self._speed_obstacle(resting.motion, motion)
         if self.obstacle is not _NONE:
             return False
         if resting is not self._resting:
@@ -335,11 +342,10 @@ class JointLookahead:
     def _speed_obstacle(
         self, resting: LinearKinematics, motion: PoseMotion
     ) -> Obstacle:
-        prediction = self._prediction
-        if prediction.has_left():
+        if self._prediction.has_left():
             self._present.move_to(self._q_d)
         for kinematics in (self._present.motion, resting):
-            fastest = prediction.fastest_joint(kinematics, motion)
+            fastest = kinematics.fastest_joint(motion.twist, motion.accelerations)
             if fastest >= 0:
                 self.joint = self._joints[fastest].name
                 return Obstacle.JOINT_SPEED
@@ -357,8 +363,11 @@ class JointLookahead:
     def _know(self, state: RobotState) -> None:
         """Make room for configurations of an arm with this state."""
         self._q_d = state.doubles("q_d")
+        share = self._settings.joint_velocity_share
+        velocity = [joint.velocity * share for joint in self._joints]
+        largest = self._settings.max_joint_acceleration
         self._present, self._resting, self._other = (
-            ArmConfiguration(self._model, state) for _ in range(3)
+            ArmConfiguration(self._model, state, velocity, largest) for _ in range(3)
         )
         self._prediction.present = self._present.motion
         self._prediction.resting = self._resting.motion

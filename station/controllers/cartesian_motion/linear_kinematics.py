@@ -6,9 +6,9 @@ others follow the end effector by a damped inverse of the Jacobian.
 
 from collections.abc import Iterable
 
-from station.controllers.cartesian_motion.pose_motion import PoseMotion
+from station.controllers.cartesian_motion.cartesian_motion_generator import PoseMotion
+from station.core.numerics.arm_chain import WrenchEquation
 from station.core.numerics.rigid_motion import twist_between
-from station.core.numerics.wrench_equation import WrenchEquation
 from station.memory.doubles import Doubles, Storage, own, zeros
 from station.memory.functions import square_root
 from station.memory.vectors import copy_into
@@ -26,10 +26,19 @@ class LinearKinematics:
         q: Joint positions [rad], shape (n,); kept and not copied.
         jacobian: Jacobian of the end effector in the axes of the base, 6 n numbers,
             column-major; kept, and read by `invert` and `is_dexterous`.
+        velocity: Largest joint velocities [rad/s], shape (n,); kept, as the next.
+        acceleration: Largest joint accelerations [rad/s^2], shape (n,).
+
+    Attributes:
+        velocity: As given.
+        acceleration: As given.
     """
 
-    def __init__(self, q: Doubles, jacobian: Doubles) -> None:
+    def __init__(
+        self, q: Doubles, jacobian: Doubles, velocity: Storage, acceleration: Storage
+    ) -> None:
         self.size = len(q)
+        self.velocity, self.acceleration = velocity, acceleration
         self.q = q
         self.jacobian = jacobian
         self.dq = own([0.0] * self.size)
@@ -72,7 +81,7 @@ class LinearKinematics:
         """Write the Jacobian with zeros for joint 3.
 
         Args:
-            columns: Where it goes, 6 numbers per joint.
+            columns: Receives the result, 6 numbers per joint.
         """
         copy_into(columns, 0, self.jacobian, 6 * self.size)
         for k in range(12, 18):
@@ -111,7 +120,7 @@ class LinearKinematics:
             way: Translation [m], then rotation vector [rad], in the axes of the base,
                 shape (6,).
             elbow: Desired position of joint 3 [rad].
-            step: Where the changes of the joint positions go [rad], shape (n,).
+            step: Receives the changes of the joint positions [rad], shape (n,).
         """
         jacobian, motion = self.columns, self.motion
         bend = elbow - self.q[2]
@@ -125,7 +134,7 @@ class LinearKinematics:
 
         Args:
             motion: A twist [m/s, rad/s], or another quantity linear in it, shape (6,).
-            result: Where the rates of the joints go, shape (n,).
+            result: Receives the rates of the joints, shape (n,).
         """
         inverse = self.inverse
         a, b, c = motion[0], motion[1], motion[2]
@@ -146,44 +155,34 @@ class LinearKinematics:
 
         Args:
             dq: Joint velocities [rad/s], shape (n,).
-            result: Where the acceleration goes [m/s^2, rad/s^2], shape (6,).
+            result: Receives the acceleration [m/s^2, rad/s^2], shape (6,).
         """
         jacobian = self.columns
         wx, wy, wz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         bx, by, bz = 0.0, 0.0, 0.0
         for joint in range(self.size):
             k, rate = 6 * joint, dq[joint]
-            vx, vy, vz = (
-                rate * jacobian[k],
-                rate * jacobian[k + 1],
-                rate * jacobian[k + 2],
-            )
-            zx, zy, zz = (
-                rate * jacobian[k + 3],
-                rate * jacobian[k + 4],
-                rate * jacobian[k + 5],
-            )
+            vx = rate * jacobian[k]
+            vy = rate * jacobian[k + 1]
+            vz = rate * jacobian[k + 2]
+            zx = rate * jacobian[k + 3]
+            zy = rate * jacobian[k + 4]
+            zz = rate * jacobian[k + 5]
             # The joint turns with the joints before it.
-            bx, by, bz = (
-                bx + wy * zz - wz * zy,
-                by + wz * zx - wx * zz,
-                bz + wx * zy - wy * zx,
-            )
+            bx = bx + wy * zz - wz * zy
+            by = by + wz * zx - wx * zz
+            bz = bz + wx * zy - wy * zx
             # Velocities of the links before and behind it, added up.
             ux, uy, uz = wx, wy, wz
             wx, wy, wz = wx + zx, wy + zy, wz + zz
             ux, uy, uz = ux + wx, uy + wy, uz + wz
-            ax, ay, az = (
-                ax + uy * vz - uz * vy,
-                ay + uz * vx - ux * vz,
-                az + ux * vy - uy * vx,
-            )
+            ax = ax + uy * vz - uz * vy
+            ay = ay + uz * vx - ux * vz
+            az = az + ux * vy - uy * vx
         result[0], result[1], result[2] = ax, ay, az
         result[3], result[4], result[5] = bx, by, bz
 
-    def are_slow(
-        self, twist: Doubles, push: float, velocity: Doubles, acceleration: Doubles
-    ) -> bool:
+    def are_slow(self, twist: Doubles, push: float) -> bool:
         """Return True only if no joint exceeds its bounds; False if that is unknown.
 
         No joint accelerates more than if all of the end effector's acceleration were in
@@ -193,10 +192,8 @@ class LinearKinematics:
         Args:
             twist: Twist of the end effector [m/s, rad/s], shape (6,).
             push: Length of its largest acceleration [m/s^2, rad/s^2].
-            velocity: Largest joint velocities [rad/s], shape (n,).
-            acceleration: Largest joint accelerations [rad/s^2], shape (n,).
         """
-        dq, arms = self.dq, self.arms
+        dq, arms, velocity = self.dq, self.arms, self.velocity
         self.write_joint_rates(twist, dq)
         turn = linear = angular = 0.0
         for joint in range(self.size):
@@ -209,36 +206,29 @@ class LinearKinematics:
             angular += turn * rate
             turn += rate
         drift = square_root(linear * linear + angular * angular)
-        if self.are_pushed_little(push + drift, acceleration):
+        if self.are_pushed_little(push + drift):
             return True
         self.drift(dq, self.motion)
-        return self.are_pushed_little(push + length_of(self.motion), acceleration)
+        return self.are_pushed_little(push + length_of(self.motion))
 
-    def are_pushed_little(self, push: float, acceleration: Doubles) -> bool:
+    def are_pushed_little(self, push: float) -> bool:
         """Return whether such an acceleration in any direction exceeds no bound."""
-        lengths = self.lengths
+        lengths, acceleration = self.lengths, self.acceleration
         for joint in range(self.size):
             if not lengths[joint] * push <= acceleration[joint]:
                 return False
         return True
 
-    def fastest_joint(
-        self,
-        twist: Doubles,
-        accelerations: Doubles,
-        velocity: Doubles,
-        acceleration: Doubles,
-    ) -> int:
+    def fastest_joint(self, twist: Doubles, accelerations: Doubles) -> int:
         """Return the index of the joint that exceeds its bounds most; -1 if none does.
 
         Args:
             twist: Twist of the end effector [m/s, rad/s], shape (6,).
             accelerations: Two accelerations of the end effector [m/s^2, rad/s^2], shape
                 (12,); an end effector without acceleration counts as well.
-            velocity: Largest joint velocities [rad/s], shape (n,).
-            acceleration: Largest joint accelerations [rad/s^2], shape (n,).
         """
         dq, motion, inverse = self.dq, self.motion, self.inverse
+        velocity, acceleration = self.velocity, self.acceleration
         self.write_joint_rates(twist, dq)
         self.drift(dq, motion)
         a0, a1, a2 = -motion[0], -motion[1], -motion[2]
@@ -290,43 +280,6 @@ def way_between(first: Doubles, second: Doubles) -> float:
     return total
 
 
-def moved(q: Doubles, step: Doubles, result: Doubles) -> float:
-    """Write joint positions after a step; return the largest change of a position.
-
-    Args:
-        q: Joint positions before the step [rad], shape (n,).
-        step: Changes of the positions [rad], shape (n,).
-        result: Memory for the positions after the step [rad], shape (n,).
-    """
-    largest = 0.0
-    for joint in range(len(q)):
-        away = step[joint]
-        result[joint] = q[joint] + away
-        away = away if away > 0.0 else -away
-        if not away <= largest:
-            largest = away
-    return largest
-
-
-def limited_joint(q: Doubles, last: Doubles, lower: Doubles, upper: Doubles) -> int:
-    """Return the index of the first joint that moves beyond a bound; -1 if none does.
-
-    A joint that is beyond a bound may come back.
-
-    Args:
-        q: Joint positions after a step [rad], shape (n,).
-        last: Joint positions before the step [rad], shape (n,).
-        lower: Lower bounds [rad], shape (n,).
-        upper: Upper bounds [rad], shape (n,).
-    """
-    for joint in range(len(q)):
-        if not lower[joint] <= q[joint] <= upper[joint]:
-            new, old = q[joint], last[joint]
-            if (new < old and new < lower[joint]) or (new > old and new > upper[joint]):
-                return joint
-    return -1
-
-
 # Results for one configuration are used for configurations within this distance [rad].
 _NEAR = 0.01
 
@@ -344,8 +297,6 @@ class StopPrediction:
             copied.
         lower: Smallest joint positions [rad], shape (n,).
         upper: Largest joint positions [rad], shape (n,).
-        velocity: Largest joint velocities [rad/s], shape (n,).
-        acceleration: Largest joint accelerations [rad/s^2], shape (n,).
 
     Attributes:
         present: Kinematics at a configuration near the desired joint positions.
@@ -359,17 +310,15 @@ class StopPrediction:
         *,
         lower: Iterable[float],
         upper: Iterable[float],
-        velocity: Iterable[float],
-        acceleration: Iterable[float],
     ) -> None:
         size = len(new)
         self.pose = pose
         self.new = new
         self.lower, self.upper = own(lower), own(upper)
-        self.velocity, self.acceleration = own(velocity), own(acceleration)
         self.q_d = zeros(size)
         self.elbow = 0.0
-        self.present = LinearKinematics(zeros(size), zeros(6 * size))
+        unknown = zeros(size)
+        self.present = LinearKinematics(unknown, zeros(6 * size), unknown, unknown)
         self.resting = self.present
         # Positions at rest after the last allowed step, and those at which the arm was
         # clear, with the way that it may go from there.
@@ -425,11 +374,27 @@ class StopPrediction:
         motion.brake()
         twist_between(self.pose, motion.resting, 1.0, self.way)
         resting.joint_step(self.way, self.elbow, self.step)
-        return moved(resting.q, self.step, self.new) > _NEAR
+        largest = 0.0
+        for joint in range(self.size):
+            away = self.step[joint]
+            self.new[joint] = resting.q[joint] + away
+            away = away if away > 0.0 else -away
+            if not away <= largest:
+                largest = away
+        return largest > _NEAR
 
     def limited_joint(self) -> int:
-        """Return the index of the first joint that would go beyond a limit, or -1."""
-        return limited_joint(self.new, self.rest, self.lower, self.upper)
+        """Return the index of the first joint that would go beyond a limit, or -1.
+
+        A joint that is beyond a limit may come back.
+        """
+        for joint in range(self.size):
+            low, new, high = self.lower[joint], self.new[joint], self.upper[joint]
+            if not low <= new <= high:
+                old = self.rest[joint]
+                if (new < old and new < low) or (new > old and new > high):
+                    return joint
+        return -1
 
     def may_collide(self) -> bool:
         """Return whether the clearance at the positions at rest is unknown."""
@@ -442,28 +407,16 @@ class StopPrediction:
             motion: The motion of the end effector after a step.
         """
         present, resting = self.present, self.resting
-        velocity, acceleration = self.velocity, self.acceleration
         push = length_of(motion.acceleration)
         braking = length_of(motion.peaks)
         if push < braking:
             push = braking
         return (
-            present.are_slow(motion.twist, push, velocity, acceleration)
-            or self.fastest_joint(present, motion) < 0
+            present.are_slow(motion.twist, push)
+            or present.fastest_joint(motion.twist, motion.accelerations) < 0
         ) and (
-            resting.are_slow(motion.twist, push, velocity, acceleration)
-            or self.fastest_joint(resting, motion) < 0
-        )
-
-    def fastest_joint(self, kinematics: LinearKinematics, motion: PoseMotion) -> int:
-        """Return the index of the joint that exceeds its bounds most; -1 if none does.
-
-        Args:
-            kinematics: Kinematics at the configuration to look at.
-            motion: The motion of the end effector after a step.
-        """
-        return kinematics.fastest_joint(
-            motion.twist, motion.accelerations, self.velocity, self.acceleration
+            resting.are_slow(motion.twist, push)
+            or resting.fastest_joint(motion.twist, motion.accelerations) < 0
         )
 
     def accept(self) -> None:

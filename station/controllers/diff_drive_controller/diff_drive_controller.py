@@ -12,7 +12,15 @@ from math import cos, inf, isfinite, pi, sin
 from typing_extensions import override
 
 from station.core.control.controller import Controller, ControllerSample
-from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    NameKind,
+    declare_boolean,
+    declare_number,
+    declare_numbers,
+    declare_string,
+    declare_strings,
+)
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.urdf import wheel_radius, wheel_separation
 from station.core.description.urdf_parser import parse_urdf
@@ -182,21 +190,19 @@ def limiter_parameters(axis: str, unit: str) -> tuple[DeclaredParameter, ...]:
     found = []
     for kind, power in zip(_KINDS, ("s", "s^2", "s^3"), strict=True):
         found.append(
-            DeclaredParameter(
-                name=f"{axis}/has_{kind}_limits",
-                type=ParameterType.BOOLEAN,
+            declare_boolean(
+                f"{axis}/has_{kind}_limits",
+                f"whether the {kind} is limited",
                 default=False,
-                description=f"whether the {kind} is limited",
             )
         )
         for end, text in (("max", "0"), ("min", f"-max_{kind}")):
             found.append(
-                DeclaredParameter(
-                    name=f"{axis}/{end}_{kind}",
-                    type=ParameterType.NUMBER,
+                declare_number(
+                    f"{axis}/{end}_{kind}",
+                    f"{'largest' if end == 'max' else 'smallest'} {kind}",
                     unit=f"{unit}/{power}",
                     default_text=text,
-                    description=f"{'largest' if end == 'max' else 'smallest'} {kind}",
                 )
             )
     return tuple(found)
@@ -243,50 +249,36 @@ _ZEROS = (0.0,) * 6
 def _number(
     name: str, unit: str, default: float | None, text: str
 ) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBER,
-        unit=unit,
-        default=default,
-        description=text,
+    return declare_number(
+        name,
+        text,
+        default,
+        unit,
         minimum=0.0,
         excludes_minimum=True,
         default_text="" if default is not None else "from the robot description",
     )
 
 
-def _flag(name: str, text: str, *, default: bool) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name, type=ParameterType.BOOLEAN, default=default, description=text
-    )
-
-
 def _frame(name: str, default: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.STRING,
-        default=default,
-        description="name of a frame in the topic `odom`",
-    )
+    return declare_string(name, "name of a frame in the topic `odom`", default)
 
 
 def _side(side: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=f"{side}_wheel",
-        type=ParameterType.STRINGS,
+    return declare_strings(
+        f"{side}_wheel",
+        f"the joints of the {side} wheels, or one name",
         names=NameKind.JOINT,
-        description=f"the joints of the {side} wheels, or one name",
     )
 
 
 def _diagonal(name: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBERS,
-        default=_ZEROS,
+    return declare_numbers(
+        name,
+        "diagonal of a covariance in the topic `odom`",
+        _ZEROS,
         size=6,
         minimum=0.0,
-        description="diagonal of a covariance in the topic `odom`",
     )
 
 
@@ -307,17 +299,19 @@ _VALIDITY_AND_ACTION = (
 _WINDOW = _number(
     "velocity_rolling_window_size", "", 10.0, "cycles over which velocity is averaged"
 )
-_OPEN_LOOP = _flag(
+_OPEN_LOOP = declare_boolean(
     "open_loop", "whether the odometry follows the commands", default=False
 )
-_PUBLISH_CMD = _flag("publish_cmd", "whether there is `cmd_vel_out`", default=False)
-_ENABLE_TF = _flag("enable_odom_tf", "accepted; there is no tf", default=True)
-_MULTIPLE = _flag(
+_PUBLISH_CMD = declare_boolean(
+    "publish_cmd", "whether there is `cmd_vel_out`", default=False
+)
+_ENABLE_TF = declare_boolean("enable_odom_tf", "accepted; there is no tf", default=True)
+_MULTIPLE = declare_boolean(
     "allow_multiple_cmd_vel_publishers",
     "accepted; leases decide who commands",
     default=True,
 )
-_PUBLISH_STATE = _flag(
+_PUBLISH_STATE = declare_boolean(
     "publish_joint_trajectory_controller_state",
     "whether there is `joint_trajectory_controller_state`, of the wheels",
     default=False,
@@ -337,7 +331,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
     parameters.
 
     Attributes:
-        odometry: Where the base is.
+        odometry: Pose and velocity of the base.
 
     Source:
         DiffDriveController; differs: a set-point that is not finite is refused; the

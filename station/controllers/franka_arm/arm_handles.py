@@ -10,7 +10,12 @@ from station.core.control.controller import (
     MultiInterfaceController,
     require_interface,
 )
-from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    NameKind,
+    declare_string,
+    declare_strings,
+)
 from station.core.franka import (
     FrankaModelHandle,
     FrankaModelInterface,
@@ -27,18 +32,12 @@ LARGEST_STEP = 1.0
 """Largest change of a torque per cycle [Nm]."""
 JOINT_COUNT = 7
 """Number of joints of an arm."""
-ARM_ID = DeclaredParameter(
-    name="arm_id",
-    type=ParameterType.STRING,
-    names=NameKind.ARM,
-    description="the arm, e.g. `panda`",
-)
-JOINT_NAMES = DeclaredParameter(
-    name="joint_names",
-    type=ParameterType.STRINGS,
+ARM_ID = declare_string("arm_id", "the arm, e.g. `panda`", names=NameKind.ARM)
+JOINT_NAMES = declare_strings(
+    "joint_names",
+    "the seven joints of the arm, from base to flange",
     size=JOINT_COUNT,
     names=NameKind.JOINT,
-    description="the seven joints of the arm, from base to flange",
 )
 
 

@@ -124,12 +124,10 @@ class PoseImpedance(PoseSpring):
 
     def balance_error(self) -> None:
         """Write the torques that belong to the error."""
-        jacobian, twist, wrench, stray = (
-            self.jacobian,
-            self.twist,
-            self.wrench,
-            self.stray,
-        )
+        jacobian = self.jacobian
+        twist = self.twist
+        wrench = self.wrench
+        stray = self.stray
         nullspace = self.stiffness[2]
         for joint in range(self.size):
             away = self.rest[joint] - self.q[joint]

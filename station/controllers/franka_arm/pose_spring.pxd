@@ -1,8 +1,7 @@
-from station.core.numerics.arm_chain cimport torques_of, twist_of
+from station.core.numerics.arm_chain cimport WrenchEquation, torques_of, twist_of
 from station.memory.functions cimport arctangent, sine, square_root
 from station.core.numerics.command_rates cimport limit_steps
 from station.core.numerics.rigid_motion cimport quaternion_of
-from station.core.numerics.wrench_equation cimport WrenchEquation
 
 cdef double _FILTER, _INVERSE_DAMPING, _CLOSE
 
@@ -15,6 +14,5 @@ cdef class PoseSpring:
     cdef readonly double[::1] stiffness, wanted, error, rest
     cdef WrenchEquation equation
     cpdef void compute_torques(self) noexcept
-    cpdef void measure_error(self) noexcept
     cpdef void balance_error(self) noexcept
     cpdef void approach_targets(self) noexcept

@@ -16,10 +16,9 @@ src/cartesian_impedance_example_controller.cpp and
 dual_arm_cartesian_impedance_example_controller.cpp, the part that both share.
 """
 
-from station.core.numerics.arm_chain import torques_of, twist_of
+from station.core.numerics.arm_chain import WrenchEquation, torques_of, twist_of
 from station.core.numerics.command_rates import limit_steps
 from station.core.numerics.rigid_motion import quaternion_of
-from station.core.numerics.wrench_equation import WrenchEquation
 from station.memory.doubles import Doubles, zeros
 from station.memory.functions import arctangent, sine, square_root
 
@@ -107,12 +106,7 @@ class PoseSpring:
 
     def compute_torques(self) -> None:
         """Write the torques of this cycle, then move on towards the targets."""
-        self.measure_error()
-        self.balance_error()
-        self.approach_targets()
-
-    def measure_error(self) -> None:
-        """Write the pose error in the axes of the base, position [m] first."""
+        # The pose error in the axes of the base, position [m] first.
         error, own, actual = self.error, self.equilibrium, self.quaternion
         for k in range(3):
             error[k] = self.pose[12 + k] - own[k]
@@ -133,15 +127,15 @@ class PoseSpring:
             if size > 0.0:
                 share = -2.0 * arctangent(size, cosine) / size
         error[3], error[4], error[5] = share * ex, share * ey, share * ez
+        self.balance_error()
+        self.approach_targets()
 
     def balance_error(self) -> None:
         """Write the torques that belong to the error."""
-        jacobian, twist, wrench, stray = (
-            self.jacobian,
-            self.twist,
-            self.wrench,
-            self.stray,
-        )
+        jacobian = self.jacobian
+        twist = self.twist
+        wrench = self.wrench
+        stray = self.stray
         translational, rotational = self.stiffness[0], self.stiffness[1]
         nullspace = self.stiffness[2]
         slowing = -2.0 * square_root(nullspace)
@@ -185,12 +179,10 @@ class PoseSpring:
             size = square_root(1.0 - cosine * cosine)
             angle = arctangent(size, cosine)
             first, second = sine(first * angle) / size, sine(second * angle) / size
-        x, y, z, w = (
-            first * ax + second * x,
-            first * ay + second * y,
-            first * az + second * z,
-            first * aw + second * w,
-        )
+        x = first * ax + second * x
+        y = first * ay + second * y
+        z = first * az + second * z
+        w = first * aw + second * w
         size = square_root(x * x + y * y + z * z + w * w)
         if size > 0.0:
             own[3], own[4], own[5], own[6] = x / size, y / size, z / size, w / size

@@ -81,7 +81,7 @@ class PoseTarget:
 
     Args:
         params: `command_timeout` and `command_timeout_action`, see `TimeoutAction`.
-        subject: Name of what is commanded, for messages.
+        subject: Name of the commanded thing, for messages.
         rest: Returns the pose at which to rest, 7 numbers.
 
     Attributes:

@@ -35,7 +35,11 @@ from station.core.control.controller import (
     MultiInterfaceController,
     require_interface,
 )
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_number,
+    declare_numbers,
+)
 from station.core.franka import FrankaModelInterface, FrankaPoseCartesianInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
@@ -51,33 +55,21 @@ NEW_SHARE = 0.99
 _DOF = 7
 
 
-def _number(name: str, unit: str, default: float, text: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBER,
-        unit=unit,
-        default=default,
-        description=text,
-    )
-
-
 def _seven(name: str, unit: str, text: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name, type=ParameterType.NUMBERS, unit=unit, size=_DOF, description=text
-    )
+    return declare_numbers(name, text, unit=unit, size=_DOF)
 
 
 _K_GAINS = _seven("k_gains", "Nm/rad", "stiffness of the seven joints")
 _D_GAINS = _seven("d_gains", "Nms/rad", "damping of the seven joints")
-_RADIUS = _number(
-    "radius", "m", RADIUS, "radius of the circle; replaces a radius below 0.005"
+_RADIUS = declare_number(
+    "radius", "radius of the circle; replaces a radius below 0.005", RADIUS, "m"
 )
-_VEL_MAX = _number("vel_max", "m/s", 0.05, "speed along the circle")
-_ACCELERATION_TIME = _number(
-    "acceleration_time", "s", 2.0, "time in which that speed is reached"
+_VEL_MAX = declare_number("vel_max", "speed along the circle", 0.05, "m/s")
+_ACCELERATION_TIME = declare_number(
+    "acceleration_time", "time in which that speed is reached", 2.0, "s"
 )
-_CORIOLIS = _number(
-    "coriolis_factor", "", 1.0, "factor of the compensated Coriolis torques"
+_CORIOLIS = declare_number(
+    "coriolis_factor", "factor of the compensated Coriolis torques", 1.0
 )
 _PUBLISH_RATE = replace(
     PUBLISH_RATE,

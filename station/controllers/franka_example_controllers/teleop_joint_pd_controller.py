@@ -25,7 +25,11 @@ from station.controllers.franka_arm import (
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_number,
+    declare_numbers,
+)
 from station.core.description.robot_description import require_robot_description
 from station.core.errors import ControllerStateError
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
@@ -160,9 +164,7 @@ _DOF = 7
 
 
 def _seven(name: str, unit: str, text: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name, type=ParameterType.NUMBERS, unit=unit, size=_DOF, description=text
-    )
+    return declare_numbers(name, text, unit=unit, size=_DOF)
 
 
 _LEADER = (
@@ -208,11 +210,10 @@ _MOTION = {
         "largest acceleration of the follower close to the leader",
     ),
 }
-_CONTACT = DeclaredParameter(
-    name="contact_force_threshold",
-    type=ParameterType.NUMBER,
+_CONTACT = declare_number(
+    "contact_force_threshold",
+    "force at the hand above which the arm is in contact",
     unit="N",
-    description="force at the hand above which the arm is in contact",
 )
 ROLES = ("leader", "follower")
 """The arm that is guided, and the arm that follows."""

@@ -21,7 +21,11 @@ from station.controllers.set_point_controller import (
     pid_parameters,
 )
 from station.core.control.controller import Controller, ControllerSample
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_boolean,
+    declare_number,
+)
 from station.core.description.robot_description import (
     JointDescription,
     require_robot_description,
@@ -89,7 +93,7 @@ class GripperGoalPort(GoalPort):
         Args:
             request: `{"command": {"position", "max_effort"}}`; `max_effort` is
                 optional, and its sign is ignored.
-            receipt: Where the cycle is noted that takes the goal up.
+            receipt: Notes the cycle that takes the goal.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -207,33 +211,29 @@ def _malformed(message: str, example: str = _SINGLE) -> InvalidCommandError:
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 
 
-_GOAL_TOLERANCE = DeclaredParameter(
-    name="goal_tolerance",
-    type=ParameterType.NUMBER,
-    unit="m or rad",
-    default=0.01,
-    description="largest distance to the goal that counts as reached",
+_GOAL_TOLERANCE = declare_number(
+    "goal_tolerance",
+    "largest distance to the goal that counts as reached",
+    0.01,
+    "m or rad",
 )
-_MAX_EFFORT = DeclaredParameter(
-    name="max_effort",
-    type=ParameterType.NUMBER,
+_MAX_EFFORT = declare_number(
+    "max_effort",
+    "largest effort of goals that do not state one",
     unit="N or Nm",
     default_text="effort limit",
-    description="largest effort of goals that do not state one",
 )
-_STALL_VELOCITY = DeclaredParameter(
-    name="stall_velocity_threshold",
-    type=ParameterType.NUMBER,
-    unit="m/s or rad/s",
-    default=0.001,
-    description="velocity below which the joint stands still",
+_STALL_VELOCITY = declare_number(
+    "stall_velocity_threshold",
+    "velocity below which the joint stands still",
+    0.001,
+    "m/s or rad/s",
 )
-_STALL_TIMEOUT = DeclaredParameter(
-    name="stall_timeout",
-    type=ParameterType.NUMBER,
-    unit="s",
-    default=1.0,
-    description="a goal is aborted when the joint stands still elsewhere for this time",
+_STALL_TIMEOUT = declare_number(
+    "stall_timeout",
+    "a goal is aborted when the joint stands still elsewhere for this time",
+    1.0,
+    "s",
 )
 _LARGEST_YIELD = 0.5
 """Least share of its distance from the joint that a command keeps in one cycle."""
@@ -496,20 +496,18 @@ class PositionGripperActionController(GripperActionController[PositionJointInter
 
 
 _PARALLEL_EFFORT = replace(_MAX_EFFORT, default_text="", default=10.0, minimum=0.0)
-_MAX_VELOCITY = DeclaredParameter(
-    name="max_velocity",
-    type=ParameterType.NUMBER,
-    unit="m/s or rad/s",
-    default=0.1,
+_MAX_VELOCITY = declare_number(
+    "max_velocity",
+    "velocity of goals that do not state one",
+    0.1,
+    "m/s or rad/s",
     minimum=0.0,
     excludes_minimum=True,
-    description="velocity of goals that do not state one",
 )
-_ALLOW_STALLING = DeclaredParameter(
-    name="allow_stalling",
-    type=ParameterType.BOOLEAN,
+_ALLOW_STALLING = declare_boolean(
+    "allow_stalling",
+    "whether a goal succeeds when the joint stands still elsewhere",
     default=False,
-    description="whether a goal succeeds when the joint stands still elsewhere",
 )
 
 

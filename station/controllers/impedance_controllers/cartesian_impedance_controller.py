@@ -37,7 +37,7 @@ from station.controllers.impedance_controllers.impedance_settings import (
     square,
 )
 from station.core.control.tunables import Tunable, Tunables
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import declare_numbers
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import timeout_parameters
@@ -64,13 +64,12 @@ _SETTINGS = (
     Setting("max_torque", "Nm", 20.0, 50.0, "largest torque of the spring"),
     FRICTION_SHARE,
 )
-_POSTURE = DeclaredParameter(
-    name="posture",
-    type=ParameterType.NUMBERS,
+_POSTURE = declare_numbers(
+    "posture",
+    "joint positions that the null space approaches",
     unit="rad",
     size=7,
     default_text="where the arm is at the start",
-    description="joint positions that the null space approaches",
 )
 _TURN = 6.3
 """Largest position of a posture [rad]; no joint of an arm goes farther."""

@@ -8,7 +8,11 @@ from numpy.typing import NDArray
 
 from station.controllers.franka_arm.impedances import Friction
 from station.core.control.tunables import Tunable
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_number,
+    declare_numbers,
+)
 from station.core.parameters import Parameters
 from station.memory.doubles import Doubles, doubles
 
@@ -28,13 +32,8 @@ class Setting:
 
     def parameter(self) -> DeclaredParameter:
         """Return the parameter, which may be larger than a slider allows."""
-        return DeclaredParameter(
-            name=self.name,
-            type=ParameterType.NUMBER,
-            unit=self.unit,
-            default=self.default,
-            minimum=0.0,
-            description=self.description,
+        return declare_number(
+            self.name, self.description, self.default, self.unit, minimum=0.0
         )
 
     def tunable(self, value: float) -> Tunable:
@@ -54,15 +53,7 @@ FRICTION_SHARE = Setting(
 def _coefficients(
     name: str, unit: str, default: tuple[float, ...], text: str
 ) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBERS,
-        unit=unit,
-        size=7,
-        default=default,
-        default_text="of a Panda",
-        description=text,
-    )
+    return declare_numbers(name, text, default, unit, size=7, default_text="of a Panda")
 
 
 FRICTION = (

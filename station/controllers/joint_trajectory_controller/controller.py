@@ -37,7 +37,13 @@ from station.controllers.set_point_controller import (
 )
 from station.core.control.controller import Controller, PackedSample
 from station.core.control.tunables import Tunables
-from station.core.declared_parameter import EACH_JOINT, DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    EACH_JOINT,
+    DeclaredParameter,
+    declare_boolean,
+    declare_number,
+    declare_string,
+)
 from station.core.description.chains_of_frames import chain_to, ends_of_chain
 from station.core.description.robot_description import (
     JointDescription,
@@ -58,7 +64,7 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
-from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.arm_chain import JointChain
 from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
@@ -70,12 +76,11 @@ from station.core.trajectory import (
 from station.memory.direct_calls import call_directly
 from station.memory.doubles import Doubles, doubles
 
-_VELOCITY_FF = DeclaredParameter(
-    name=f"velocity_ff/{EACH_JOINT}",
-    type=ParameterType.NUMBER,
-    description="factor with which the desired velocity is added to the command",
-    unit="command s/rad",
-    default=0.0,
+_VELOCITY_FF = declare_number(
+    f"velocity_ff/{EACH_JOINT}",
+    "factor with which the desired velocity is added to the command",
+    0.0,
+    "command s/rad",
 )
 
 
@@ -248,33 +253,27 @@ class JointTrajectoryState(NamedTuple):
     error: PosVelAccState
 
 
-_ALLOW_PARTIAL_JOINTS_GOAL = DeclaredParameter(
-    name="allow_partial_joints_goal",
-    type=ParameterType.BOOLEAN,
-    description="a trajectory may leave joints out",
-    default=False,
+_ALLOW_PARTIAL_JOINTS_GOAL = declare_boolean(
+    "allow_partial_joints_goal", "a trajectory may leave joints out", default=False
 )
 _CONSTRAINTS = "constraints"
-_BASE = DeclaredParameter(
-    name="kinematics/base",
-    type=ParameterType.STRING,
-    default="",
+_BASE = declare_string(
+    "kinematics/base",
+    "link in whose frame the poses of motion primitives are",
+    "",
     default_text="the link that carries the first joint",
-    description="link in whose frame the poses of motion primitives are",
 )
-_TIP = DeclaredParameter(
-    name="kinematics/tip",
-    type=ParameterType.STRING,
-    default="",
+_TIP = declare_string(
+    "kinematics/tip",
+    "link whose poses those of motion primitives are",
+    "",
     default_text="the last link",
-    description="link whose poses those of motion primitives are",
 )
-_STOP_TRAJECTORY_DURATION = DeclaredParameter(
-    name="stop_trajectory_duration",
-    type=ParameterType.NUMBER,
-    description="time in which a motion comes to rest; 0: hold at once",
-    unit="s",
-    default=0.0,
+_STOP_TRAJECTORY_DURATION = declare_number(
+    "stop_trajectory_duration",
+    "time in which a motion comes to rest; 0: hold at once",
+    0.0,
+    "s",
     minimum=0.0,
 )
 

@@ -46,7 +46,6 @@ cdef class TrajectoryExecution:
     cdef list _active
     cdef GoalSupervision _supervision
     cpdef advance(self, double time, double period)
-    cdef double _pass_time(self, double time, double period) except? -1.0
     cdef _sample_states(self, double now)
 
 cdef class TrajectoryUpdate:

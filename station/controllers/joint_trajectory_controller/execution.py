@@ -13,7 +13,7 @@ from math import inf
 from station.controllers.set_point_controller import CommandLaw, ControlledJoints
 from station.core.control.sample_columns import SampleColumns
 from station.core.control.tunables import Tunable, Tunables
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import declare_number
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.hardware.interfaces import JointStateGroup
@@ -40,22 +40,16 @@ _STANDSTILL = 1e-6
 """Speed scaling below which a trajectory counts as paused."""
 _KEPT = 8
 """Number of replaced trajectories kept until a planning thread frees them."""
-SPEED_SCALING = DeclaredParameter(
-    name="speed_scaling",
-    type=ParameterType.NUMBER,
-    default=1.0,
+SPEED_SCALING = declare_number(
+    "speed_scaling",
+    "speed of the executed trajectory; 0 pauses",
+    1.0,
     minimum=0.0,
     maximum=1.0,
-    description="speed of the executed trajectory; 0 pauses",
 )
 """The factor, which is a run-time parameter, too."""
-_RAMP = DeclaredParameter(
-    name="speed_scaling_ramp",
-    type=ParameterType.NUMBER,
-    unit="s",
-    default=0.5,
-    minimum=0.0,
-    description="time from standstill to full speed",
+_RAMP = declare_number(
+    "speed_scaling_ramp", "time from standstill to full speed", 0.5, "s", minimum=0.0
 )
 SPEED_PARAMETERS = (SPEED_SCALING, _RAMP)
 """The parameters of the speed scaling."""
@@ -387,10 +381,10 @@ class Request:
 
     Attributes:
         trajectory: The segments of every joint; None to stop and hold.
-        is_void: Whether what was commanded counts no longer, so that the joints hold
+        is_void: Whether earlier commands count no longer, so that the joints hold
             where they are.
         goal: The goal that ends with the trajectory; None for a trajectory without one.
-        receipt: Where the cycle is noted that takes the request up.
+        receipt: Notes the cycle that takes the request.
     """
 
     trajectory: SegmentTrajectory | None
@@ -506,8 +500,8 @@ class TrajectoryExecution:
         """Let the next cycle end the motion and hold. Any thread; takes no lock.
 
         Args:
-            receipt: Where the cycle is noted that takes the request up.
-            is_void: Whether what was commanded counts no longer, because of a stop, a
+            receipt: Notes the cycle that takes the request.
+            is_void: Whether earlier commands count no longer, because of a stop, a
                 reset or a recovery: the joints hold where they are.
         """
         self.requests.append(Request(None, None, receipt, is_void))
@@ -519,7 +513,13 @@ class TrajectoryExecution:
             time: Station time [s].
             period: Time since the last cycle [s], >= 0.
         """
-        now = self._pass_time(time, period)
+        passed = self.speed.advance(period)
+        if passed != self._passed:
+            self._passed = passed
+            self._passed_ns = to_nanoseconds(passed)
+        self._uptime += self._passed_ns
+        self.moment = (time, period, self._uptime)
+        now = uptime_seconds(self._uptime)
         while len(self.requests) > 0:
             # A request stays queued until it is followed, so that a thread that plans
             # in between continues from it.
@@ -538,16 +538,6 @@ class TrajectoryExecution:
             supervision.note_progress(goal, now)
         elif supervision.check_goal(self._active, self.trajectory, now):
             self._follow(self._resting())
-
-    def _pass_time(self, time: float, period: float) -> float:
-        """Let the time of a cycle pass; return the trajectory time [s]."""
-        passed = self.speed.advance(period)
-        if passed != self._passed:
-            self._passed = passed
-            self._passed_ns = to_nanoseconds(passed)
-        self._uptime += self._passed_ns
-        self.moment = (time, period, self._uptime)
-        return uptime_seconds(self._uptime)
 
     def _sample_states(self, now: float) -> None:
         """Compute desired states and errors at a trajectory time [s]."""

@@ -96,7 +96,7 @@ class FollowJointTrajectoryPort(GoalPort):
 
         Args:
             request: See `parse_goal`.
-            receipt: Where the cycle is noted that takes the goal up.
+            receipt: Notes the cycle that takes the goal.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -207,7 +207,7 @@ class JointTrajectoryPort(TrajectoryPort):
 
         Args:
             request: See `parse_trajectory`; without points: stop and hold.
-            receipt: Where the cycle is noted that takes the trajectory up.
+            receipt: Notes the cycle that takes the trajectory.
 
         Raises:
             ControllerStateError: The controller is not running.

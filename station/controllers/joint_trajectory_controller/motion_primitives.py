@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 
 from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidTrajectoryError, StationError
-from station.core.numerics.arm_chain import least_rates
-from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.arm_chain import JointChain, least_rates
 from station.core.numerics.poses import displace, twist_between
 from station.core.ports.set_point import RANGE_TOLERANCE
 from station.core.trajectory import (
@@ -185,7 +184,7 @@ class MotionSequences:
         Args:
             sequence: One primitive or more, the last one without a blend radius.
             frame: Link in whose frame the poses are; "" for the base of the arm.
-            start: Where the joints are held [rad or m], shape (n,).
+            start: Positions in which the joints are held [rad or m], shape (n,).
 
         Returns:
             The points; and when each primitive ends, or is in the middle of its blend

@@ -65,7 +65,7 @@ class _Present:
         period: Its time since the cycle before [s].
         uptime: Trajectory time of the cycle [ns].
         trajectory: Trajectory that is executed after all queued requests.
-        places: Where each joint is by name: commanded and measured [rad or m].
+        places: Commanded and measured position of each joint [rad or m], by name.
         rests: Whether no joint is to move and no request waits.
     """
 
@@ -81,7 +81,7 @@ class TrajectoryPlanner:
     """Plans requests in the threads that make them; the next cycle takes them up.
 
     Args:
-        execution: Takes up what was planned.
+        execution: Carries the plans out.
         joints: The joints.
         allow_partial_joints_goal: Whether a trajectory may leave joints out.
 
@@ -117,7 +117,7 @@ class TrajectoryPlanner:
             goal: The goal that ends with the trajectory. The request of a goal names
                 the joints even when it has no points.
             tolerances: Bounds of the errors by joint, used with a goal.
-            receipt: Where the cycle is noted that takes the request up.
+            receipt: Notes the cycle that takes the request.
 
         Raises:
             InvalidTrajectoryError: The request cannot be followed; nothing changed.
@@ -295,7 +295,7 @@ class TrajectoryPlanner:
         tolerances: Mapping[str, JointTolerances] | None,
         present: _Present,
     ) -> tuple[JointTrajectory, Mapping[str, JointTolerances] | None]:
-        """Return a request for where the joints stand as one for where they are held.
+        """Replace a request for the measured positions by one for the held positions.
 
         A loaded joint stands below where it is commanded to be. If it were commanded to
         the place where it stands, it would sink instead of staying there.
@@ -410,7 +410,7 @@ def check_positions(
     Args:
         request: The trajectory; every point has one position for each of its joints.
         joints: The joints of the controller.
-        here: Where each joint is, by name: commanded and measured [rad or m].
+        here: Commanded and measured position of each joint [rad or m], by name.
 
     Raises:
         InvalidTrajectoryError: A position is beyond the joint's limits.
@@ -526,7 +526,7 @@ def _extremes(
 
     Args:
         powers: Coefficients of the powers of time, the constant first.
-        duration: Where the polynomial ends [s]; it begins at 0.
+        duration: Time at which the polynomial ends [s]; it begins at 0.
         low: Returned when no value is less.
         high: Returned when no value is greater.
     """

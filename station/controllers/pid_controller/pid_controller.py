@@ -25,7 +25,10 @@ from station.core.declared_parameter import (
     EACH_JOINT,
     DeclaredParameter,
     NameKind,
-    ParameterType,
+    declare_boolean,
+    declare_number,
+    declare_string,
+    declare_strings,
 )
 from station.core.description.robot_description import (
     JointDescription,
@@ -55,41 +58,35 @@ _INTERFACES: Mapping[str, type[JointCommandInterface]] = {
     "effort": EffortJointInterface,
 }
 _DERIVATIVES = (("position",), ("velocity",), ("effort",), ("position", "velocity"))
-_DOF_NAMES = DeclaredParameter(
-    name="dof_names",
-    type=ParameterType.STRINGS,
+_DOF_NAMES = declare_strings(
+    "dof_names",
+    "what is commanded: joints, or references `controller/joint`",
     names=NameKind.JOINT,
-    description="what is commanded: joints, or references `controller/joint`",
 )
-_STATE_NAMES = DeclaredParameter(
-    name="reference_and_state_dof_names",
-    type=ParameterType.STRINGS,
+_STATE_NAMES = declare_strings(
+    "reference_and_state_dof_names",
+    "the joints that are measured and have references",
     names=NameKind.JOINT,
     default_text="dof_names",
-    description="the joints that are measured and have references",
 )
-_COMMAND = DeclaredParameter(
-    name="command_interface",
-    type=ParameterType.STRING,
+_COMMAND = declare_string(
+    "command_interface",
+    "what is commanded: `position`, `velocity` or `effort`",
     choices=tuple(_INTERFACES),
-    description="what is commanded: `position`, `velocity` or `effort`",
 )
-_MEASURED = DeclaredParameter(
-    name="reference_and_state_interfaces",
-    type=ParameterType.STRINGS,
-    description="what is compared: one interface, or `position` and `velocity`",
+_MEASURED = declare_strings(
+    "reference_and_state_interfaces",
+    "what is compared: one interface, or `position` and `velocity`",
 )
-_EXTERNAL = DeclaredParameter(
-    name="use_external_measured_states",
-    type=ParameterType.BOOLEAN,
+_EXTERNAL = declare_boolean(
+    "use_external_measured_states",
+    "must be false: there is no topic of measured values",
     default=False,
-    description="must be false: there is no topic of measured values",
 )
-_FEEDS_FORWARD = DeclaredParameter(
-    name="enable_feedforward",
-    type=ParameterType.BOOLEAN,
+_FEEDS_FORWARD = declare_boolean(
+    "enable_feedforward",
+    "whether references times feedforward_gain are added to the commands",
     default=False,
-    description="whether references times feedforward_gain are added to the commands",
 )
 
 
@@ -100,13 +97,8 @@ def _gain(
     default_text: str = "",
     unit: str = "",
 ) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=f"gains/{EACH_JOINT}/{name}",
-        type=ParameterType.NUMBER,
-        unit=unit,
-        default=default,
-        default_text=default_text,
-        description=text,
+    return declare_number(
+        f"gains/{EACH_JOINT}/{name}", text, default, unit, default_text=default_text
     )
 
 
@@ -128,23 +120,20 @@ _TRACKING = _gain(
     unit="s",
 )
 _DEADBAND = _gain("error_deadband", "errors that are not integrated")
-_ANTIWINDUP = DeclaredParameter(
-    name=f"gains/{EACH_JOINT}/antiwindup",
-    type=ParameterType.BOOLEAN,
+_ANTIWINDUP = declare_boolean(
+    f"gains/{EACH_JOINT}/antiwindup",
+    "whether `legacy` bounds the integral itself",
     default=False,
-    description="whether `legacy` bounds the integral itself",
 )
-_WRAPS = DeclaredParameter(
-    name=f"gains/{EACH_JOINT}/angle_wraparound",
-    type=ParameterType.BOOLEAN,
+_WRAPS = declare_boolean(
+    f"gains/{EACH_JOINT}/angle_wraparound",
+    "whether the error is the shorter way round",
     default=False,
-    description="whether the error is the shorter way round",
 )
-_STRATEGY = DeclaredParameter(
-    name=f"gains/{EACH_JOINT}/antiwindup_strategy",
-    type=ParameterType.STRING,
+_STRATEGY = declare_string(
+    f"gains/{EACH_JOINT}/antiwindup_strategy",
+    "`none`, `legacy`, `back_calculation` or `conditional_integration`",
     default_text="legacy with i_clamp, else none",
-    description="`none`, `legacy`, `back_calculation` or `conditional_integration`",
 )
 _GAINS = (
     _P,
@@ -186,7 +175,7 @@ class PidController(JointReferenceController):
     measured positions for the references, and 0 for velocities and efforts.
 
     Source:
-        PidController; differs: a reference that nobody commands is rest and not NaN;
+        PidController; differs: a reference without a commander is rest and not NaN;
         `use_external_measured_states` is refused; references beyond the limits of the
         robot description are refused as set-points.
     """

@@ -7,5 +7,3 @@ cdef class SaturatingPids:
     cdef readonly double[::1] tracking, deadband, strategies
     cpdef void compute_commands(self, double period, bint rates_known) noexcept
     cdef double saturated(self, Py_ssize_t k, double period, double rate) noexcept
-    cdef void integrate(
-        self, Py_ssize_t k, double period, double free, double command) noexcept

@@ -42,7 +42,7 @@ class SaturatingPids:
     Attributes:
         errors: References minus measured values; a command stays where one is NaN.
         rates: Rates of the errors, where they are known.
-        forward: What is added to the commands.
+        forward: Feed-forward part of the commands.
         p, i, d, f: Gains; the owner uses `f` for `forward`.
         part_max, part_min: Bounds of the integral parts of `legacy`.
         maximum, minimum: Bounds of the commands.
@@ -117,17 +117,15 @@ class SaturatingPids:
             command = self.maximum[k]
         if command < self.minimum[k]:
             command = self.minimum[k]
-        if integrates:
-            self.integrate(k, period, free, command)
-        return command
-
-    def integrate(self, k: int, period: float, free: float, command: float) -> None:
-        """Integrate the error of one PID after its command."""
-        error, strategy = self.errors[k], self.strategies[k]
-        if strategy == _BACK and self.i[k] != 0.0:
+        if integrates and strategy == _BACK and self.i[k] != 0.0:
             drawn = (command - free) / self.tracking[k]
             self.parts[k] += period * (self.i[k] * error + drawn)
-        elif strategy == _NONE or (
-            strategy == _CONDITIONAL and not (free != command and error * free > 0.0)
+        elif integrates and (
+            strategy == _NONE
+            or (
+                strategy == _CONDITIONAL
+                and not (free != command and error * free > 0.0)
+            )
         ):
             self.parts[k] += period * self.i[k] * error
+        return command

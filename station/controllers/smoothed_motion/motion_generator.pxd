@@ -9,9 +9,6 @@ cdef class MotionGenerator:
     cdef double _period
     cdef object _ruckig, _input, _output, _braking, _trajectory
     cpdef tuple state(self)
-    cpdef restore(self, tuple state)
     cpdef relocate(self, list positions)
     cpdef go_to(self, list positions)
-    cpdef go_at(self, list velocities)
-    cpdef brake(self)
     cpdef advance(self, double period)

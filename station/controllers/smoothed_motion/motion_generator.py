@@ -158,7 +158,7 @@ class MotionGenerator:
         """Return the positions at which the axes rest if they brake now [rad or m].
 
         Raises:
-            InvalidCommandError: There is no such motion.
+            InvalidCommandError: No motion to rest is possible.
         """
         braking = self._braking
         braking.current_position = self._input.current_position

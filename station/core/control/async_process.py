@@ -76,10 +76,10 @@ class _Answer(NamedTuple):
     """Results of a callback.
 
     Attributes:
-        error: What it raised, and its text.
+        error: Class and text of its exception.
         memory: Content of all storages.
         sample: The sample of the controller.
-        messages: What it has published.
+        messages: Its published messages.
     """
 
     error: tuple[BaseException | None, str] | None
@@ -89,7 +89,7 @@ class _Answer(NamedTuple):
 
 
 class _Pickler(pickle.Pickler):
-    """Pickles handles: with their memory, without what the manager does with them."""
+    """Pickles handles with their memory, without the manager's data."""
 
     @override
     def reducer_override(self, obj: object) -> Any:
@@ -114,7 +114,7 @@ class ProcessUpdate(AsyncUpdate):
 
     Args:
         controller: The controller, initialised over private copies.
-        params: How it is updated.
+        params: Policy, cycles and time limit of the updates.
         private: The copies.
         outputs: (storage, index) of the commands that it has claimed.
         namespace: The controller's namespace.

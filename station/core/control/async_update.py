@@ -62,7 +62,7 @@ class AsyncUpdate(AsyncFunction):
 
     Args:
         controller: The controller, initialised over private copies.
-        params: How it is updated.
+        params: Policy, cycles and time limit of the updates.
         storages: Every storage that it uses, with its private copy.
         outputs: (storage, index) of the commands that it has claimed.
     """
@@ -91,7 +91,7 @@ class AsyncUpdate(AsyncFunction):
         controller.aborting = self.aborting  # type: ignore[method-assign]
 
     def close(self) -> None:
-        """Release what it holds besides memory; when the controller is unloaded."""
+        """Release thread and process; when the controller is unloaded."""
 
     def starting(self, time: float) -> None:
         """Start the controller, on the states of this cycle.

@@ -44,7 +44,7 @@ class Reference:
     Attributes:
         name: Its name without the controller's, usually `joint/interface`, e.g.
             `joint1/position`.
-        storage: Where the controller keeps it; changed in place, never bound anew.
+        storage: The controller's own list; changed in place, never bound anew.
         index: Its slot in `storage`.
         rest: Returns the reference at which the controller lets the robot rest, in the
             unit of the reference; 0 by default. Called in the control thread.
@@ -62,7 +62,7 @@ class ExportedState:
 
     Attributes:
         name: Its name without the controller's, usually `joint/interface`.
-        storage: Where the controller keeps it; changed in place, never bound anew.
+        storage: The controller's own list; changed in place, never bound anew.
         index: Its slot in `storage`.
     """
 
@@ -76,7 +76,7 @@ class ReferenceHandle(ResourceHandle):
 
     Args:
         name: Full name, e.g. `pid_controller/joint1/position`.
-        reference: What that controller exports.
+        reference: The exported reference.
 
     Raises:
         HardwareInterfaceError: The storage has no such slot.
@@ -135,7 +135,7 @@ class ExportedStateHandle(ResourceHandle):
 
     Args:
         name: Full name, e.g. `pid_controller/joint1/position`.
-        state: What that controller exports.
+        state: The exported state.
 
     Raises:
         HardwareInterfaceError: The storage has no such slot.
@@ -154,7 +154,7 @@ class ExportedStateHandle(ResourceHandle):
 class ExportedStateInterface(HardwareResourceManager[ExportedStateHandle]):
     """States that loaded controllers export; any number of controllers may read one.
 
-    A claim notes who reads, and gives nobody the right to write.
+    A claim notes the reader, and gives no right to write.
     """
 
     type_name: ClassVar[str] = "controller_interface::ExportedStateInterface"
@@ -165,7 +165,7 @@ class ChainableController(MultiInterfaceController):
     """A controller that may follow another one.
 
     It exports references and states once, after `init`. While a running controller
-    claims its references the controller is in chained mode: it takes what stands in the
+    claims its references the controller is in chained mode: it takes the values of the
     storage of its references. Otherwise `update_reference_from_subscribers` brings the
     references from set-points. A controller must not change its references in chained
     mode.

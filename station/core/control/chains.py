@@ -58,7 +58,7 @@ _STATES = interface_type_name(ExportedStateInterface)
 
 
 class ChainedRobotHW(RobotHW):
-    """The robot with what loaded controllers export, for the `init` of another one.
+    """The robot with the exports of loaded controllers, for the `init` of another one.
 
     Args:
         hw: The robot.
@@ -120,7 +120,7 @@ class ChainedRobotHW(RobotHW):
     def split_claims(
         self, claims: Iterable[InterfaceResources]
     ) -> tuple[tuple[InterfaceResources, ...], tuple[str, ...], tuple[str, ...]]:
-        """Separate the claims of what the robot has from those of controllers.
+        """Separate the claims of the robot's resources from those of references.
 
         Returns:
             Claims of the robot's resources; full names of the claimed references; full
@@ -226,7 +226,7 @@ def insert_in_order(
 ) -> tuple[LoadedController, ...]:
     """Return the list with another controller, before those that it commands.
 
-    Nobody commands a controller that has just been loaded, so the order of the others
+    No controller commands one that has just been loaded, so the order of the others
     stays as it is.
     """
     place = min((loaded.index(each) for each in one.following), default=len(loaded))

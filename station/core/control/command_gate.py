@@ -1,7 +1,7 @@
 """The gate between the writers of commands and the robot.
 
 Before every `write` each command of the robot is a real finite float that its one owner
-has written, or the rest command of a resource that nobody owns:
+has written, or the rest command of a resource without an owner:
 
 1. After every call of a controller its own commands are checked and copied
    (`ControllerCommands.refused`), so that a bad value is charged to that call.
@@ -53,7 +53,7 @@ class CommandBlock:
     """Commands that lie side by side, and a copy of them.
 
     Args:
-        slots: Where each of the commands is.
+        slots: Slot of each command.
         values: The copy, shape (n,), changed in place.
     """
 
@@ -66,7 +66,7 @@ class CommandBlock:
         raise NotImplementedError
 
     def has_changed(self) -> bool:
-        """Return whether a command is not what was copied."""
+        """Return whether a command differs from its copy."""
         raise NotImplementedError
 
     def write_copy(self) -> None:
@@ -79,7 +79,7 @@ class DoublesBlock(CommandBlock):
 
     Args:
         memory: The commands, shape (n,).
-        slots: Where each of them is.
+        slots: Slot of each command.
     """
 
     def __init__(self, memory: Doubles, slots: Sequence[Slot] = ()) -> None:
@@ -98,7 +98,7 @@ class DoublesBlock(CommandBlock):
         return are_finite(self.copy, self.size)
 
     def has_changed(self) -> bool:
-        """Return whether a command is not what was copied."""
+        """Return whether a command differs from its copy."""
         if cython.compiled:
             return differ(self.memory, self.copy, self.size)
         return self.memory != self.copy
@@ -116,8 +116,8 @@ class ListBlock(CommandBlock):
 
     Args:
         storage: The list.
-        place: Which of its elements.
-        slots: Where each of them is.
+        place: Range of the commands in the list.
+        slots: Slot of each command.
     """
 
     def __init__(
@@ -138,7 +138,7 @@ class ListBlock(CommandBlock):
         return set(map(type, copy)) == _FLOAT and not (total := sum(copy)) - total
 
     def has_changed(self) -> bool:
-        """Return whether commands are not those that were copied."""
+        """Return whether a command differs from its copy."""
         try:
             return self.storage[self.place] != self.copy
         except CONTAINED:  # e.g. an array: its comparison has no truth value
@@ -172,7 +172,7 @@ class CommandGate:
         running: The controllers that ran when the owners were noted last, in the order
             of loading.
         traced_cycles: For how many cycles more the gate looks after every call for
-            whoever writes commands that it does not own; 0 until a violation is found.
+            a controller that writes commands of others; 0 until a violation is found.
         violations: How often a command was found that its owner had not written.
         last_violation: The last of them as a sentence; None if there was none.
     """
@@ -202,7 +202,7 @@ class CommandGate:
     def remember(self, one: "LoadedController") -> Remembered:
         """Return every command of the robot that `one` does not own.
 
-        For a call of `one` in which nobody else writes commands.
+        For a call of `one` in which no other controller writes commands.
         """
         own = {(id(storage), index) for storage, index in one.commands.slots}
         return [
@@ -230,7 +230,7 @@ class CommandGate:
         return changed
 
     def forget_rest(self) -> None:
-        """Let resources without an owner rest where they are when owners are noted.
+        """Let resources without an owner keep their positions when owners are noted.
 
         For a world that was put somewhere else.
         """
@@ -277,7 +277,7 @@ class CommandGate:
     ) -> str | None:
         """Return a command that a call of `one` has written without owning it.
 
-        Asked after every update while the gate traces. What was written is put back.
+        Called after every update while the gate traces. Foreign writes are put back.
 
         Args:
             one: The controller that was called.

@@ -22,7 +22,7 @@ class CommandGuard:
         interface: The robot's own interface through which it is claimed.
         interface_name: Its name in the controller's claims.
         name: Name of the resource.
-        slots: Where its commands are, as (storage, index).
+        slots: Slots of the commands.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class CommandGuard:
     def _steps(self) -> list[float]:
         """Return the distance of each command from the last one or from slowing down.
 
-        Slowing down is everything between rest and what keeps the present motion.
+        Slowing down is every command between rest and the present motion.
         """
         steps: list[float] = []
         for position, (storage, index) in enumerate(self.slots):

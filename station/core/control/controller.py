@@ -14,7 +14,7 @@ from typing_extensions import get_original_bases, override
 
 from station.core.control.sample_columns import PackedColumns, SampleColumns
 from station.core.control.tunables import Tunables
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import DeclaredParameter, declare_number
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
@@ -26,11 +26,8 @@ from station.core.trajectory.trajectory_port import TrajectoryPort  # noqa: TC00
 
 Columns: TypeAlias = tuple[list[float], list[float], list[float], list[float]]
 """The four lists of a sample, shape (n,) each."""
-PUBLISH_RATE = DeclaredParameter(
-    name="publish_rate",
-    type=ParameterType.NUMBER,
-    unit="Hz",
-    description="rate of publication; 0: nothing is published",
+PUBLISH_RATE = declare_number(
+    "publish_rate", "rate of publication; 0: nothing is published", unit="Hz"
 )
 """The parameter of controllers that publish at a rate."""
 
@@ -51,7 +48,7 @@ class ControllerState(Enum):
 class ControllerSample:
     """Desired values, measurements and commands of one cycle, shape (n,) each.
 
-    Nobody changes a sample. It has the fields of a named tuple, which `_fields` names
+    A sample never changes. It has the fields of a named tuple, which `_fields` names
     and `_asdict` returns.
 
     Args:
@@ -139,7 +136,7 @@ class JointStates(NamedTuple):
 
 
 class PackedSample(ControllerSample):
-    """A sample in one block of memory; its lists are made when somebody reads them.
+    """A sample in one block of memory; its lists are made when they are read.
 
     Args:
         stamp: Station time of the cycle [s].
@@ -170,7 +167,7 @@ class PackedSample(ControllerSample):
         return self.packed[: 32 * self.size]  # four columns of doubles
 
     def column(self, index: int) -> list[float]:
-        """Return a column, shape (n,), also of those that the controller added."""
+        """Return a column, shape (n,), also one that the controller added."""
         return self.rest(index)[: self.size]
 
     def rest(self, index: int) -> list[float]:
@@ -411,7 +408,7 @@ def require_interface(
     Args:
         hw: The robot.
         interface_type: The type.
-        whose: What requires it, for the message.
+        whose: Name of the part that requires it, for the message.
 
     Raises:
         ControllerLoadError: The robot has no interface of that type.

@@ -12,7 +12,7 @@ class ControllerCommands:
 
     Attributes:
         guards: The same.
-        slots: Where the commands are, as (storage, index).
+        slots: Slots of the commands.
         blocks: The same as few blocks; each has a copy of what `refused` looked at
             last.
         is_shared: Whether the robot lets another running controller command one of
@@ -42,7 +42,7 @@ class ControllerCommands:
         return None
 
     def is_as_written(self) -> bool:
-        """Return whether the commands are those that `refused` looked at last."""
+        """Return whether the commands are still those of the last `refused`."""
         # Shared commands may be written by the other owner at any time.
         return self.is_shared or not any(block.has_changed() for block in self.blocks)
 
@@ -84,7 +84,7 @@ class ControllerCommands:
             guard.write_rest()
 
     def put_back_claims(self, claims: set[tuple[str, str]]) -> None:
-        """Write what some claims had when the commands were prepared for a start.
+        """Write the values that some claims had before the start.
 
         Args:
             claims: (hardware interface, resource) of each.
@@ -96,11 +96,11 @@ class ControllerCommands:
     def prepare(self, taken_over: set[tuple[str, str]]) -> str | None:
         """Make the commands ready for a start; return why that is impossible.
 
-        Resources that nobody commanded until now begin at rest, so that no command of
+        Resources without a command until now begin at rest, so that no command of
         long ago reaches the robot; the others go on from the last command.
 
         Args:
-            taken_over: (hardware interface, resource) of what goes on from the last
+            taken_over: (hardware interface, resource) of claims that continue the last
                 command.
         """
         for guard in self.guards:
@@ -117,7 +117,7 @@ class ControllerCommands:
         return {guard.name: guard.jump() for guard in self.guards}
 
     def excessive_jump(self) -> str | None:
-        """Return the command that is too far from the one before; None if none is."""
+        """Return a command that is too far from the previous one; None if none is."""
         for guard in self.guards:
             step, limit = guard.excess()
             if step > 0.0:

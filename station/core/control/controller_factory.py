@@ -12,7 +12,13 @@ from station.core.control.command_guard import find_guards
 from station.core.control.controller import ControllerBase
 from station.core.control.controller_loader import ControllerLoader, create_controller
 from station.core.control.loaded_controller import LoadedController
-from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    NameKind,
+    declare_boolean,
+    declare_number,
+    declare_strings,
+)
 from station.core.errors import ControllerLoadError, ParameterError, StationError
 from station.core.faults import CONTAINED, describe, trace_of_fault
 from station.core.hardware.async_function import (
@@ -46,26 +52,23 @@ class ControllerType:
     error: str | None = None
 
 
-FALLBACK = DeclaredParameter(
-    name="fallback",
-    type=ParameterType.STRINGS,
-    default=(),
+FALLBACK = declare_strings(
+    "fallback",
+    "controllers that take over when this one fails",
+    (),
     names=NameKind.CONTROLLER,
-    description="controllers that take over when this one fails",
 )
-ALLOW_START_JUMP = DeclaredParameter(
-    name="allow_start_jump",
-    type=ParameterType.BOOLEAN,
+ALLOW_START_JUMP = declare_boolean(
+    "allow_start_jump",
+    "start even if the first command is far from the last command",
     default=False,
-    description="start even if the first command is far from the last command",
 )
-UPDATE_RATE = DeclaredParameter(
-    name="update_rate",
-    type=ParameterType.NUMBER,
-    unit="Hz",
-    default=0.0,
+UPDATE_RATE = declare_number(
+    "update_rate",
+    "how often it is updated, at most as often as the loop; 0: every cycle",
+    0.0,
+    "Hz",
     minimum=0.0,
-    description="how often it is updated, at most as often as the loop; 0: every cycle",
 )
 COMMON_PARAMETERS = (
     FALLBACK,

@@ -161,7 +161,7 @@ class ControllerLifecycle:
     ) -> tuple[str | None, str | None]:
         """Call a controller; return the fault of the call, if any, and its traceback.
 
-        What the call writes over the commands of others, and over those of nobody, is
+        Values that the call writes over commands of others, or of no controller, are
         put back at once: their owners do not write them again in this cycle.
         """
         # A callback may write to anything that it has kept a handle of. What is not its
@@ -214,7 +214,7 @@ class ControllerLifecycle:
             self.fall_back(one, time)
 
     def _is_to_move(self, one: LoadedController) -> bool:
-        """Return whether it, or who commands it, got a set-point since the start."""
+        """Return whether the controller or one that commands it got a set-point."""
         return one.got_set_point() or any(
             self._is_to_move(other)
             for other in self.loaded
@@ -307,12 +307,12 @@ class ControllerLifecycle:
         return problem
 
     def settle_chains(self, time: float) -> None:
-        """End chains that have lost a part, and chained mode where nobody commands.
+        """End chains that have lost a part, and chained mode without a commander.
 
-        Called at the end of a cycle in which somebody has started or stopped, so that
-        no preceding controller runs without the one that it commands when the commands
-        are written. A preceding controller that replaces another one in the same cycle
-        goes on from its references.
+        Called at the end of a cycle in which a controller has started or stopped, so
+        that no preceding controller runs without the one that it commands when the
+        commands are written. A preceding controller that replaces another one in the
+        same cycle goes on from its references.
         """
         broken: list[LoadedController] = []
         # From the hardware upwards: the end of one controller may break the next chain.
@@ -337,7 +337,7 @@ class ControllerLifecycle:
         )
 
     def _end_chained_mode(self, one: LoadedController, time: float) -> None:
-        """Let the references of a controller rest that nobody commands any more."""
+        """Let the references of a controller rest that is no more commanded."""
         target = one.controller
         if not isinstance(target, ChainableController) or not target.is_in_chained_mode:
             return
@@ -371,7 +371,7 @@ class ControllerLifecycle:
     def release(self, stopped: Sequence[LoadedController]) -> str | None:
         """Take stopped controllers off the hardware; return the failure, if any.
 
-        When the robot cannot be told, the controllers are marked as not released:
+        When the call to the robot fails, the controllers are marked as not released:
         they can be stopped again, and are not unloaded before that has succeeded.
         """
         problem = self.do_switch([], [one.info for one in stopped])

@@ -69,7 +69,7 @@ class ControllerManager:
     Args:
         hw: The robot, initialised.
         parameters: Namespace in which every controller has a namespace of its name.
-        loaders: Where controllers come from; asked in this order.
+        loaders: Source of controllers; asked in this order.
         clock: Wall time.
 
     Raises:
@@ -197,7 +197,8 @@ class ControllerManager:
         Args:
             name: Its name and namespace.
             timeout: How long to wait for it [s wall time], > 0.
-            strict: Whether a parameter that its type does not know is refused, or told.
+            strict: Whether a parameter that its type does not know is refused, or
+                noted.
 
         Raises:
             ControllerExistsError: That name is loaded already (CM-22), or being loaded.
@@ -275,7 +276,7 @@ class ControllerManager:
             ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller runs, or is about to, or the robot has
                 not
-                been told that it has stopped.
+                been informed of its stop.
         """
         self._refuse_control_thread("unload")
         with self._lock:
@@ -401,7 +402,7 @@ class ControllerManager:
         return [loaded.statistics(time) for loaded in self.lifecycle.loaded]
 
     def end_async_threads(self) -> None:
-        """End the threads of what is asynchronous; while no thread runs the loop.
+        """End the threads of asynchronous controllers and robots, without a loop.
 
         Controllers and hardware go on: a loop that runs again makes new threads.
         """
@@ -486,7 +487,7 @@ class ControllerManager:
             )
 
     def _refuse_lost_exports(self, loaded: LoadedController) -> None:
-        """Refuse a controller that claims what was unloaded while it was loading.
+        """Refuse a controller whose claimed exports were unloaded while it was loading.
 
         Raises:
             ControllerLoadError: It does.

@@ -14,12 +14,12 @@ class ControllerStatus:
     Attributes:
         name: Name under which it is loaded.
         type: Its type as the parameters have it.
-        state: Where it is in its life.
+        state: State of its life cycle.
         claimed_resources: Claims, one entry per hardware interface (CM-85).
         fault: Why it was stopped by the manager; None if it was not.
         traceback: Traceback that belongs to `fault`; None if there is none.
         fallback: Names of the controllers that take over when it fails.
-        time: How long its update takes [s].
+        time: Duration of its updates [s].
         notes: Surprises for its user, such as a parameter that has no effect; one
             sentence or more each.
         update_rate: How often it is updated while it runs [Hz]; 0 while no loop is
@@ -48,7 +48,7 @@ class ControllerCondition:
     Attributes:
         name: Name under which it is loaded.
         type: Its type as the parameters have it.
-        state: Where it is in its life.
+        state: State of its life cycle.
         fault: Why it was stopped by the manager; None if it was not.
         traceback: Traceback that belongs to `fault`; None if there is none.
     """
@@ -77,8 +77,8 @@ class ControllerStatistics:
         time: Percentiles of the durations [s]; its `count` is the number of updates.
         total_updates: Updates since it was loaded; a reset of the statistics does not
             change it.
-        total_overruns: The same of the overruns.
-        update_rate: How often it is updated while it runs [Hz].
+        total_overruns: Overruns since it was loaded.
+        update_rate: Rate of its updates while it runs [Hz].
     """
 
     name: str

@@ -42,8 +42,8 @@ STALL_MEMORY = 10.0
 class StateChanges:
     """Marks changes of the set of running controllers, for readers in other threads.
 
-    Nobody waits for a lock: a reader looks whether a change has begun or ended while it
-    read, and reads again. Entered for a change, also within one.
+    No thread waits for a lock: a reader looks whether a change has begun or ended
+    while it read, and reads again. Entered for a change, also within one.
 
     Attributes:
         count: Odd during a change; another number after each.
@@ -180,7 +180,7 @@ class ControllerUpdate:
     def update_controller(
         self, one: LoadedController, time: float, period: float
     ) -> None:
-        """Update one controller if it is its turn, and check its commands."""
+        """Update one controller in the cycles of its rate, and check its commands."""
         elapsed = one.take_turn(period) if one.every > 1 else period
         if elapsed < 0.0:
             return
@@ -198,7 +198,7 @@ class ControllerUpdate:
             if not block.copy_commands():
                 is_finite = False
         duration = (wall_time() if stopwatch is None else stopwatch()) - begin
-        one.durations.put(duration)
+        one.durations.add(duration)
         # In a standstill the period is zero, and nothing is late.
         if duration > period and period > 0.0:
             one.overruns += 1
@@ -326,7 +326,7 @@ class ControllerUpdate:
                 self.lifecycle.release(list(dict.fromkeys((*running, *involved))))
 
     def _end(self, pending: PendingSwitch, time: float) -> list[LoadedController]:
-        """End a switch under way; return the controllers that it was about.
+        """End a switch under way; return its controllers.
 
         Nothing happens when its caller has withdrawn it already.
         """

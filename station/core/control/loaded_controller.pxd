@@ -1,11 +1,10 @@
 from station.core.control.sample_columns cimport SampleColumns
-from station.core.numerics.durations cimport Durations
+from station.core.numerics.durations cimport DurationRing
 
 cdef class LoadedController:
     cdef readonly object controller, info, commands, ownership
     cdef readonly list blocks
-    cdef SampleColumns sampled
-    cdef Py_ssize_t place
+    cdef readonly SampleColumns sampled
     cdef readonly tuple fallback, references, states, following, read
     cdef readonly bint may_jump
     cdef tuple notes
@@ -13,10 +12,10 @@ cdef class LoadedController:
     cdef public double update_rate, elapsed, last_overrun, stalled_at
     cdef readonly double loop_period
     cdef readonly long every
-    cdef public long countdown
+    cdef public long countdown, place
     cdef public bint is_unreleased, fresh
     cdef object last_set_point, last_goal
-    cdef readonly Durations durations
+    cdef readonly DurationRing durations
     cdef public long long overruns, late_updates
     cdef long long overruns_before
     cpdef double take_turn(self, double period)

@@ -20,7 +20,7 @@ from station.core.control.controller_status import (
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
-from station.core.numerics.statistics import DurationRing
+from station.core.numerics.durations import DurationRing
 from station.core.ports.goal import Goal
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class LoadedController:
         is_unreleased: Whether the robot has not confirmed that the controller has
             stopped, so that the robot may still be in the controller's mode.
         fresh: Whether it was started and has not been updated yet.
-        ownership: Held while somebody starts or unloads it; never waited for.
+        ownership: Lock of a start or an unloading; never waited for.
         durations: Durations of its updates [s].
         overruns: Updates that took longer than the period, since it was loaded.
         last_overrun: Station time of the last of them [s].
@@ -50,7 +50,7 @@ class LoadedController:
         stalled_at: Station time of its last update that took very long [s]; minus
             infinity since its start.
         sampled: The columns of its sample; None if it makes samples itself.
-        place: Where its columns are in a row of the snapshots; -1 if they are not.
+        place: Index of its first column in a snapshot's row; -1 without columns.
         references: References that it exports.
         states: States that it exports.
         following: Controllers whose references it commands.
@@ -152,7 +152,7 @@ class LoadedController:
         return elapsed
 
     def actual_rate(self) -> float:
-        """Return the rate of its updates [Hz]; 0 while no loop is known."""
+        """Return the controller's update rate [Hz]; 0 before a loop runs it."""
         every = self.every if self.beside is None else self.beside.every
         period = self.loop_period * every
         return round(1.0 / period, 6) if period > 0.0 else 0.0
@@ -174,7 +174,7 @@ class LoadedController:
         self.last_overrun = 0.0
 
     def watch_first_update(self) -> None:
-        """Note that it was started and has not been updated yet."""
+        """Note that the controller was started and has not been updated yet."""
         controller = self.controller
         port = controller.set_points
         self.fresh = True
@@ -207,11 +207,11 @@ class LoadedController:
             self.controller.goals.abort(reason)
 
     def excessive_jump(self) -> str | None:
-        """Return the command that is too far from the one before; None if none is."""
+        """Return a command that is too far from the previous one; None if none is."""
         return None if self.may_jump else self.commands.excessive_jump()
 
     def missing_following(self) -> "LoadedController | None":
-        """Return a controller that it commands and that does not run; None without."""
+        """Return a following controller that does not run; None without."""
         for one in self.following:
             if one.controller.state is not ControllerState.RUNNING:
                 return one

@@ -13,14 +13,14 @@ from station.core.control.controller import ControllerState
 from station.core.control.controller_status import ControllerStatus
 from station.core.control.loaded_controller import LoadedController
 from station.core.errors import ControllerLoadError
-from station.core.numerics.statistics import DurationRing
+from station.core.numerics.durations import DurationRing
 
 LOAD_TIMEOUT = 60.0
 """Default of the wall time in which a controller must be loaded [s]."""
 
 
 class Loading:
-    """A controller on its way into the list.
+    """A controller that is being loaded.
 
     Args:
         name: Its name.

@@ -1,4 +1,4 @@
-"""A switch on its way from the caller to the control thread and back."""
+"""A switch that passes from the caller to the control thread and back."""
 
 import threading
 from enum import Enum
@@ -28,9 +28,9 @@ class SwitchProgress(Enum):
 class PendingSwitch:
     """One planned switch and its progress.
 
-    It belongs to whoever gets `claim`: the control thread when it begins, or the
-    caller who withdraws it. So a switch is carried out for hardware and controllers
-    alike, or not at all (CM-74). Nobody waits for `claim`; only the caller waits for
+    It belongs to the thread that gets `claim`: the control thread when it begins, or
+    the caller who withdraws it. So a switch is carried out for hardware and controllers
+    alike, or not at all (CM-74). No thread waits for `claim`; only the caller waits for
     `done`, which the control thread releases.
 
     Args:

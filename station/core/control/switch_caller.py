@@ -66,7 +66,7 @@ class SwitchCaller:
         self._switcher = 0  # identity of the thread that has `_switching`
 
     def switch(self, request: SwitchRequest) -> SwitchResult:
-        """Carry a switch out when it is its turn; see `ControllerManager`."""
+        """Carry a switch out after those before it; see `ControllerManager`."""
         with self.one_at_a_time(_bound_of(request)):
             return self.carry_out(request)
 

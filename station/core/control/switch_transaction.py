@@ -360,7 +360,7 @@ class SwitchTransaction:
     def _ask(
         self, question: Callable[[], SwitchState], name: str
     ) -> tuple[bool, str | None]:
-        """Ask the hardware for its progress; return whether it is done, or why not."""
+        """Ask the hardware for its progress; return done, not yet, or the failure."""
         try:
             if question() is SwitchState.DONE:
                 return True, None

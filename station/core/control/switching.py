@@ -76,10 +76,10 @@ class SwitchRequest:
             as it takes, up to `bound`.
         bound: How long a switch without a timeout may take [s wall time], > 0. None
             for as long as the hardware takes, as in ros_control.
-        dry_run: Only say what would happen.
+        dry_run: Only return the plan.
         zero_period: Update each started controller once with a period of zero, in the
             cycle in which it is started, as after a recovery.
-        receipt: Where the cycle is noted in which the switch begins.
+        receipt: Notes the cycle in which the switch begins.
     """
 
     start: Sequence[str] = ()
@@ -127,9 +127,9 @@ class SwitchResult:
         started: Names that were started and run, in load order.
         stopped: Names that were stopped and do not run, in load order.
         outcome: How the switch ended.
-        failed: Why a controller of the request is not as requested, and why one that
+        failed: Reason why a controller is not as requested, and why one that
             ran before does not run again, by name.
-        jump: How far the first commands are from what was commanded before, by
+        jump: Distance of the first commands from the last ones, by
             resource, in the unit of the command.
         cycle: Cycle in which it was finished; 0 for a dry run.
         plan: The plan.
@@ -175,8 +175,8 @@ class _Draft:
 
         Args:
             name: The controller.
-            problem: What is impossible.
-            remedy: What the caller can do.
+            problem: The impossible part of the request.
+            remedy: Advice for the caller.
             add: Names that would make it possible.
 
         Raises:
@@ -259,7 +259,7 @@ def _add_to_chains(
 def _check_chains(
     draft: _Draft, loaded: Sequence[Candidate], start: list[str], stop: list[str]
 ) -> None:
-    """Leave out what would run without the controller that it commands.
+    """Leave out controllers that would run without the one that they command.
 
     Raises:
         SwitchRefusedError: Strict, and there is one.

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from station.core.description.urdf import Joint, JointType, Pose, Urdf
 from station.core.errors import ControllerLoadError
-from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.arm_chain import JointChain
 
 
 def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointChain:
@@ -23,7 +23,7 @@ def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointC
 
     Raises:
         ControllerLoadError: A link is unknown, no chain leads from one link to the
-            other, or a joint in it is none of `joints`.
+            other, or a joint in it is not among `joints`.
     """
     for link in (base, frame):
         if link not in urdf.links:
@@ -60,7 +60,7 @@ def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointC
         np.concatenate([origin.T.ravel() for origin in origins]).tolist(),
         [part for joint in moving for part in joint.axis],
         [float(joint.type.is_rotation) for joint in moving],
-        [float(joints.index(joint.name)) for joint in moving],
+        [joints.index(joint.name) for joint in moving],
     )
 
 

@@ -127,7 +127,7 @@ def find_robot_description(params: Parameters) -> RobotDescription | None:
     The search begins in the namespace itself and goes outwards up to the root.
 
     Args:
-        params: Where to begin, usually a controller's namespace.
+        params: First namespace of the search, usually a controller's.
 
     Returns:
         The description, or None if no namespace has one.
@@ -148,7 +148,7 @@ def require_robot_description(params: Parameters) -> RobotDescription:
     """Return the description in the nearest namespace around `params`.
 
     Args:
-        params: Where to begin, usually a controller's namespace.
+        params: First namespace of the search, usually a controller's.
 
     Raises:
         RobotDescriptionError: No namespace has a description, or the parameter that was

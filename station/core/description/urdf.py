@@ -206,8 +206,8 @@ class SafetyController:
     """The numbers of a joint's `<safety_controller>` element: its soft limits.
 
     Attributes:
-        soft_lower_limit: Where the joint is slowed down on its way down [rad] or [m].
-        soft_upper_limit: Where the joint is slowed down on its way up [rad] or [m].
+        soft_lower_limit: Position below which the joint is slowed down [rad] or [m].
+        soft_upper_limit: Position above which the joint is slowed down [rad] or [m].
         k_position: Velocity bound per distance to a soft limit [1/s].
         k_velocity: Effort bound per excess of velocity [N*m*s/rad or N*s/m].
     """

@@ -138,7 +138,7 @@ def parse_urdf(
 
     Args:
         xml: The URDF document.
-        source: Where the document comes from, such as a file name; messages begin with
+        source: Source of the document, such as a file name; messages begin with
             it.
         find_mesh: Turns the `filename` of a collision mesh into a path, and raises
             `RobotDescriptionError` if there is no such file. By default the path is

@@ -28,7 +28,7 @@ WORLD = "world"
 def repair_urdf(
     xml: str, zero_range: ZeroRange = "lock", base: str = "fixed"
 ) -> tuple[str, tuple[Repair, ...]]:
-    """Return a URDF whose joints and inertials can be read, and what was changed.
+    """Return a URDF whose joints and inertials can be read, and the changes.
 
     Args:
         xml: The document.
@@ -192,7 +192,7 @@ class _Repairs:
         self._add("base", where, problem, base, "fixed")
 
     def rename_world(self, base: str) -> None:
-        """Give a link another name that has the one of the simulator's world."""
+        """Rename a link that has the name of the simulator's world."""
         above = {
             _link_of(joint, "child"): joint for joint in self.robot.findall("joint")
         }

@@ -73,7 +73,7 @@ def element_text(element: ET.Element) -> str:
 def parse_leading_number(text: str) -> float | None:
     """Return the number at the start of a text as C++'s `std::stod` reads it.
 
-    What follows the number is ignored; hexadecimal numbers, inf and nan are numbers.
+    Text after the number is ignored; hexadecimal numbers, inf and nan are numbers.
 
     Args:
         text: Any text without leading white space.

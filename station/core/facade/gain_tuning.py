@@ -35,8 +35,8 @@ class GainTuning:
     Args:
         loop: The loop.
         manager: Its controller manager.
-        change_lock: Held while somebody loads or unloads a controller.
-        inputs: Where changes are noted.
+        change_lock: Lock of each loading and unloading of a controller.
+        inputs: Record of changes.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class GainTuning:
                 it does not name.
 
         Returns:
-            What changed, by controller.
+            The changes, by controller.
 
         Raises:
             ControllerNotFoundError: A controller is not loaded; nothing changed.
@@ -154,7 +154,7 @@ class GainTuning:
         return len(self._history)
 
     def undo(self) -> dict[str, GainsChange]:
-        """Take the last change back that was not taken back; return what changed.
+        """Take the last change back that was not taken back; return the new values.
 
         Raises:
             NothingToUndoError: There is no such change, or a controller of it was

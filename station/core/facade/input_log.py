@@ -45,7 +45,7 @@ class InputLog:
 
     Attributes:
         is_complete: Whether no input was dropped before it was taken.
-        changes: How many inputs have changed more than what is moving where.
+        changes: Number of inputs that changed more than the motion.
         last_change: Kind of the last of these; empty before the first.
         commands: How many inputs each controller got, by its name.
     """
@@ -60,7 +60,7 @@ class InputLog:
         self._inputs: deque[Input] = deque(maxlen=CAPACITY)
 
     def note(self, kind: str, **arguments: object) -> None:
-        """Note what takes effect now, between two cycles or in no cycle at all."""
+        """Note an input that takes effect now, between two cycles or outside."""
         cycle = self._loop.cycle
         self._add(kind, arguments, lambda: cycle)
 

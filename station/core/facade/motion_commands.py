@@ -40,7 +40,7 @@ class MotionCommands:
     Args:
         loop: The loop.
         manager: The loop's controller manager.
-        inputs: Where commands are noted.
+        inputs: Record of commands.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class MotionCommands:
                 own when None.
             rates: Rate of change of each element; only for controllers that use rates
                 as a feed-forward.
-            receipt: Where the cycle is noted that picks the set-point up.
+            receipt: Notes the cycle that takes the set-point.
 
         Raises:
             ControllerNotFoundError: No such controller is loaded.
@@ -174,8 +174,8 @@ class MotionCommands:
     def let_go(self, names: Iterable[str], reason: str) -> None:
         """End the motions of controllers whose commander has lost control.
 
-        Set-points expire now, as if nobody had renewed them: what a controller then
-        does is what its `command_timeout` parameters say, it holds or it stops. A
+        Set-points expire now, as after a silence of their client: what a controller
+        then does is what its `command_timeout` parameters say, it holds or it stops. A
         set-point that no cycle has picked up yet is dropped. Goals are cancelled and
         trajectories end, so that the joints hold. Controllers that were commanded
         nothing are left alone.
@@ -224,7 +224,7 @@ class MotionCommands:
             epoch: The epoch in which the caller decided; the present one when None.
             admit: Called before the goal is planned and afterwards; raises a
                 StationError when the caller may not move the robot.
-            receipt: Where the cycle is noted that takes the goal up.
+            receipt: Notes the cycle that takes the goal.
 
         Raises:
             ControllerNotFoundError: No such controller is loaded.
@@ -316,7 +316,7 @@ class MotionCommands:
             name: The controller.
             request: The trajectory message.
             epoch: The epoch in which the caller decided; the present one when None.
-            receipt: Where the cycle is noted that takes the trajectory up.
+            receipt: Notes the cycle that takes the trajectory.
             admit: Called before the trajectory is planned and afterwards; raises a
                 StationError when the caller may not move the robot.
 

@@ -23,7 +23,7 @@ class ParameterServer:
 
     Args:
         parameters: The root of the tree.
-        change_lock: Held while somebody loads or unloads a controller.
+        change_lock: Lock of each loading and unloading of a controller.
         is_loading: Returns whether a controller of a name is being loaded.
         reserved: Names at the root that cannot be changed while the station runs.
     """

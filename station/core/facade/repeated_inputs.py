@@ -45,7 +45,7 @@ def carry_out_plan(
         station: The station.
         kind: Kind of the input.
         one: Its arguments.
-        receipt: Where the cycle is noted that takes it up.
+        receipt: Notes the cycle that takes the plan.
 
     Returns:
         Whether inputs of this kind are planned.

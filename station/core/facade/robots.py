@@ -37,7 +37,7 @@ class Robots:
     Args:
         loop: The loop.
         manager: Its controller manager.
-        inputs: Where services and recoveries are noted.
+        inputs: Record of services and recoveries.
     """
 
     def __init__(

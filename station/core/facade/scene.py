@@ -32,7 +32,7 @@ class StationScene:
     Args:
         loop: The loop, not yet started.
         parameters: The root of the parameters, with `scene`.
-        robots: The robots, which are told what they carry.
+        robots: The robots, whose loads are set.
         inputs: Notes every change.
 
     Raises:
@@ -97,11 +97,11 @@ class StationScene:
         return [one for one in found if one is not None]
 
     def put(self, name: str, values: Mapping[str, object]) -> SceneObjectReport:
-        """Add an object, or change the one of that name.
+        """Add an object, or change the object of that name.
 
         Args:
             name: Its name.
-            values: Keys of `scene/objects`; what is left out keeps its value.
+            values: Keys of `scene/objects`; other keys keep their values.
 
         Raises:
             ParameterError: A value is impossible.
@@ -155,9 +155,9 @@ class StationScene:
         """Let an arm carry an object: it moves with the hand, and is guarded with it.
 
         Args:
-            name: The object, where it is now.
+            name: The object; it is attached at its present pose.
             arm_id: The arm; may be empty where there is only one.
-            load: Whether the arm is told the mass of what it carries.
+            load: Whether the load of the arm is set, too.
 
         Raises:
             SceneObjectNotFoundError: There is no object of that name.
@@ -165,7 +165,7 @@ class StationScene:
                 robot has no such arm.
             RobotDescriptionError: A mesh cannot be used.
             InvalidCommandError: The arm cannot carry that mass.
-            ArmCommandError: The arm moves, so that it cannot be told a load.
+            ArmCommandError: The arm moves, so that its load cannot be set.
             LoopError: The loop died or hangs.
         """
         with self._lock:
@@ -186,16 +186,16 @@ class StationScene:
         return next(one for one in self.report() if one.name == name)
 
     def detach(self, name: str, *, load: bool = True) -> SceneObjectReport:
-        """Let an object stay where it is now; no arm carries it any more.
+        """Let an object stay at its present pose; no arm carries it any more.
 
         Args:
             name: The object.
-            load: Whether the arm is told the mass of what is left.
+            load: Whether the load of the arm is set to the rest.
 
         Raises:
             SceneObjectNotFoundError: There is no object of that name.
             SceneRefusedError: No arm carries it.
-            ArmCommandError: The arm moves, so that it cannot be told a load.
+            ArmCommandError: The arm moves, so that its load cannot be set.
             LoopError: The loop died or hangs.
         """
         with self._lock:
@@ -242,7 +242,7 @@ class StationScene:
         return self._objects[names.index(name)]
 
     def _refuse_carried(self, thing: SceneObject) -> None:
-        """Refuse to change what an arm carries.
+        """Refuse to change an object that an arm carries.
 
         Raises:
             SceneRefusedError: An arm carries it.
@@ -258,7 +258,7 @@ class StationScene:
         """Return the guard of an arm, or the only one.
 
         Raises:
-            SceneRefusedError: There is none, or more than one and no name.
+            SceneRefusedError: There is no guard, or more than one and no name.
         """
         names = [one.arm_id for one in self._guards]
         if arm_id in names:
@@ -286,20 +286,20 @@ class StationScene:
         return thing.pose()
 
     def _moved(self, thing: SceneObject) -> SceneObject:
-        """Return an object where it is now; control thread."""
+        """Return an object at its present pose; control thread."""
         if not thing.carried_by or thing.solid:
             return thing.at(self._pose_of(thing)) if thing.carried_by else thing
         hand = self._guard_of(thing.carried_by).hand()
         return thing.at(hand.compose(thing.grip))
 
     def entries(self) -> list[dict[str, object]]:
-        """Return the objects with a role that nobody carries, for `replace_roles`."""
+        """Return the objects with a role that no arm carries, for `replace_roles`."""
         return [
             _entry(one) for one in self._objects if not one.solid and not one.carried_by
         ]
 
     def replace_roles(self, entries: Sequence[Mapping[str, object]]) -> None:
-        """Replace all objects that are not solid, and that nobody carries.
+        """Replace all objects that are not solid, and that no arm carries.
 
         Args:
             entries: Objects, as in `scene/objects`.
@@ -330,7 +330,7 @@ class StationScene:
 
         Args:
             changed: The objects that changed, as `_noted` returns them.
-            removed: Names of those that there are no more.
+            removed: Names of removed objects.
             placed: Names of the bodies of the simulated world that were moved.
 
         Raises:
@@ -488,13 +488,13 @@ def _entry(thing: SceneObject) -> dict[str, object]:
 
 
 def _noted(thing: SceneObject) -> dict[str, object]:
-    """Return an object with all that it is, as JSON has it."""
+    """Return all properties of an object as JSON."""
     grip = [*thing.grip.xyz, *thing.grip.quaternion]
     return {**_entry(thing), "carried_by": thing.carried_by, "grip": grip}
 
 
 def _repeated(noted: Mapping[str, Any]) -> SceneObject:
-    """Return the object that `_noted` has told.
+    """Return the object of an input that `_noted` has written.
 
     Raises:
         ParameterError: It is impossible, such as a mesh whose file is gone.

@@ -29,7 +29,7 @@ class SimulationControl:
 
     Args:
         loop: The loop.
-        inputs: Where resets are noted.
+        inputs: Record of resets.
     """
 
     def __init__(self, loop: ControlLoop, inputs: InputLog | None = None) -> None:

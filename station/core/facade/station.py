@@ -67,7 +67,7 @@ class StationStatus:
         kernel: Whether the arithmetic of the cycle runs interpreted or compiled.
         simulation: The simulation at a glance; None for a real robot.
         clamps: Commands that limits have cut off.
-        command_violations: How often somebody wrote a command without a claim.
+        command_violations: Number of commands that were written without a claim.
         last_command_violation: Last write by a foreign controller; None without one.
     """
 
@@ -89,7 +89,7 @@ class StationStatus:
 
 
 def label_robot(hw: RobotHW) -> str:
-    """Return the label that tells people whether something real moves.
+    """Return the label that shows people whether a real robot moves.
 
     Args:
         hw: The robot; one of several counts as real if any of them is.
@@ -109,7 +109,7 @@ class HardwareReport:
         limits: The joints' limits.
         transmissions: Transmissions between actuators and joints.
         clamps: Commands that limits have cut off.
-        repairs: In what the robot differs from its description.
+        repairs: Differences of the robot from its description.
     """
 
     interfaces: tuple[HardwareInterface, ...]
@@ -273,7 +273,7 @@ class Station:
         return [] if world is None else list(self.loop.run_in_cycle(world.bases))
 
     def scene(self) -> list[SceneObjectReport]:
-        """Return the objects around the robots, solid ones where they are now.
+        """Return the objects around the robots, solid ones at their present poses.
 
         Raises:
             LoopError: The loop died or hangs.
@@ -334,7 +334,7 @@ class Station:
     ) -> ControllerStatus:
         """Load a controller; doing the same twice is the same as once.
 
-        Nobody else waits meanwhile: the controller is listed as loading, and
+        No other caller waits: the controller is listed as loading, and
         `unload_controller` cancels.
 
         Args:
@@ -344,7 +344,7 @@ class Station:
             params: Its parameters; those in the parameter tree when left out.
             timeout: How long its import, constructor and init may take [s wall time].
             strict: Whether a parameter that its type does not know is refused. It is
-                told in the notes of the controller otherwise, as for parameters that
+                listed in the notes of the controller otherwise, as for parameters that
                 were written for ROS.
 
         Raises:

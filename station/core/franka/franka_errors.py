@@ -63,7 +63,7 @@ class ArmError:
         where: Joint, axis or quantity concerned, e.g. `joint4`; empty if none is.
         value: Measured value, in `unit`.
         limit: Allowed value, in `unit`.
-        unit: Unit of both; empty if the arm tells neither.
+        unit: Unit of both; empty if the arm reports neither.
         cycle: Number of the arm's cycle in which it was raised.
     """
 
@@ -76,7 +76,7 @@ class ArmError:
 
     @property
     def description(self) -> str:
-        """The error as one sentence for people; a real arm tells no numbers."""
+        """The error as one sentence for people; a real arm reports no numbers."""
         if not self.unit:
             return f"{self.name} (cycle {self.cycle})"
         place = f" at {self.where}" if self.where else ""

@@ -110,7 +110,7 @@ class ArmSimulation(ABC):
             duration: Duration of the push [s], > 0.
             frame: Axes of `force` and `torque`: `world`, or the name of a link, with
                 which they turn.
-            point: Where the force acts, in the link's frame [m], shape (3,); None for
+            point: Point of application, in the link's frame [m], shape (3,); None for
                 the link's centre of mass.
 
         Raises:

@@ -21,7 +21,7 @@ class Grippers:
     Every method raises `ArmNotFoundError` when there is no such arm,
     `GripperNotFoundError` when the arm has no gripper, and `LoopError` when the loop
     died or hangs. Every command but `stop` raises `StoppedError` while the station is
-    stopped, and what the same method of `GripperServices` raises.
+    stopped, and the errors of the same method of `GripperServices`.
 
     Args:
         robots: The robots of the station.

@@ -7,14 +7,14 @@ class JointMemory:
     """State and commands of n joints, each quantity of shape (n,).
 
     The names are libfranka's, but for `positions`. Each part of the cycle reads and
-    writes in place. What is not given is the object's own.
+    writes in place. Memory that is not given is the object's own.
 
     Args:
         size: Number of joints.
         q: Reported positions [rad].
         dq: Reported velocities [rad/s].
-        positions: Positions as they are, whatever the sensors report [rad].
-        dtheta: Velocities as they are [rad/s].
+        positions: True positions, whatever the sensors report [rad].
+        dtheta: True velocities [rad/s].
         tau_J: Link-side torques [Nm].
         dtau_J: Rates of the torques [Nm/s].
         q_d: Desired positions [rad].

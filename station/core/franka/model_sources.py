@@ -58,7 +58,7 @@ class ToolJacobianSource(ModelSource):
     """Writes the Jacobian of a body fixed to the flange, in the axes of the base.
 
     Args:
-        pose: Writes the pose of what is fixed.
+        pose: Writes the pose of the fixed tool.
     """
 
     def __init__(self, pose: ToolPoseSource) -> None:
@@ -80,9 +80,9 @@ class CoriolisSource(ModelSource):
         state: Its state: `m_total` is looked at in every cycle.
         q: Its joint positions [rad], shape (n,).
         dq: Its joint velocities [rad/s], shape (n,).
-        center: Centre of mass of what is carried, `F_x_Ctotal` [m], shape (3,).
+        center: Centre of mass of end effector and load, `F_x_Ctotal` [m], shape (3,).
         inertia: Its inertia, `I_total` [kg m^2], shape (9,).
-        put_load: Gives `dynamics` the load that the state tells.
+        put_load: Gives `dynamics` the load of the state.
     """
 
     def __init__(

@@ -1,1 +1,1 @@
-"""Solids, capsules and scenes: what is where around the robots, and how far away."""
+"""Solids, capsules and scenes: objects around the robots, and their distances."""

@@ -18,7 +18,7 @@ _MOST_STRIPS = 4
 
 
 def enclosing_capsules(thing: SceneObject, grip: Pose) -> list[LinkCapsule]:
-    """Return capsules around an object, in the frame of what carries it.
+    """Return capsules around an object, in the frame of the hand that carries it.
 
     Args:
         thing: The object.
@@ -26,7 +26,7 @@ def enclosing_capsules(thing: SceneObject, grip: Pose) -> list[LinkCapsule]:
 
     Raises:
         RobotDescriptionError: The file of a mesh cannot be read.
-        SceneRefusedError: It is a half-space, which nobody carries.
+        SceneRefusedError: It is a half-space, which no arm can carry.
     """
     if thing.kind == "sphere":
         return [LinkCapsule(thing.name, grip.xyz, grip.xyz, thing.size[0])]

@@ -1,5 +1,5 @@
 cimport cython
-from station.core.geometry.distances cimport Nearness, place_segments, put_capsule
+from station.core.geometry.distances cimport Nearness, place_segments
 from station.core.numerics.arm_chain cimport place_links, place_tree
 from station.memory.functions cimport square_root
 
@@ -7,7 +7,7 @@ cdef long _ROW, _MARGIN, _MOST_STEPS, _REFINEMENTS
 cdef double _FAR, _STEP, _ROUNDING
 
 cdef class Clearances:
-    cdef double[::1] at, last, moved, extents, triangles, shifts, tree
+    cdef double[::1] at, last, moved, extents, shifts, tree
     cdef readonly double[::1] chain, reach
     cdef readonly double[::1] capsules, links, segments, solids, way, gaps
     cdef long[::1] allowed, parents
@@ -19,7 +19,7 @@ cdef class Clearances:
     cdef public double slack, lag
     cdef public long most_steps
     cdef readonly Nearness nearness
-    @cython.locals(row=double[::1])
+    @cython.locals(row=double[::1], x=double, y=double, z=double)
     cpdef put_capsule(
         self, long solid, double[::1] place, double[::1] ends, double radius,
         double margin)

@@ -13,7 +13,6 @@ from station.core.geometry.distances import (
     ROW,
     Nearness,
     place_segments,
-    put_capsule,
     reaches,
     reaches_of_tree,
 )
@@ -35,7 +34,7 @@ _ROUNDING = 1e-9
 class Clearances:
     """Measures an arm against solids. Control thread only.
 
-    A gap is what a distance has over its margin [m]. A pair has a number: that of its
+    A gap is a distance less its margin [m]. A pair has a number: that of its
     capsule times the number of solids plus that of its solid.
 
     Args:
@@ -56,14 +55,14 @@ class Clearances:
         slack: By how much a margin may be missed on it [m].
         lag: How far the robot may be from the poses that are looked at [m]: the margin
             is as much larger.
-        most_steps: Poses on a way that are looked at, at most.
+        most_steps: Largest number of checked poses on a line.
         gaps: Gaps of all pairs at the last measurement: exact up to the horizon and for
             the nearest pair, bounds beyond.
         least: The least of them.
         horizon: Gaps that `way` can use up at most [m].
         distance: Distance of the nearest pair [m], by its gap.
         pair: Number of the nearest pair; -1 for none.
-        blocking: The last pair that came to its margin on a way; -1 for none.
+        blocking: The last pair that came to its margin on a line; -1 for none.
     """
 
     def __init__(
@@ -87,7 +86,6 @@ class Clearances:
         self.parents, self.joints = indices(parents), indices(joints)
         self.links = new_links(doubles([0.0] * 4 * (self.link_count + 1)))
         self.segments = zeros(6 * self.count)
-        self.nearness = Nearness()
         self.way, self.at, self.last = zeros(size), zeros(size), zeros(size)
         self.moved = zeros(self.link_count)
         self.reach = doubles(
@@ -114,7 +112,7 @@ class Clearances:
         """
         self.solid_count = len(solids) // ROW
         self.solids = doubles(solids)
-        self.triangles = doubles(triangles or [0.0] * 9)
+        self.nearness = Nearness(self.solids, doubles(triangles or [0.0] * 9))
         pairs = max(1, self.count * self.solid_count)
         self.allowed = indices([1] * pairs)
         # None has been measured yet.
@@ -147,16 +145,36 @@ class Clearances:
             margin: Distance to keep [m].
         """
         row = self.solids[_ROW * solid : _ROW * solid + _ROW]
-        half, x, y, z = row[14], row[10], row[11], row[12]
-        ux, uy, uz = half * row[7], half * row[8], half * row[9]
-        put_capsule(row, place, ends, radius, margin)
-        half, x, y, z = row[14], row[10] - x, row[11] - y, row[12] - z
-        ux, uy, uz = half * row[7] - ux, half * row[8] - uy, half * row[9] - uz
-        self.shifts[solid] += square_root(x * x + y * y + z * z)
-        self.shifts[solid] += square_root(ux * ux + uy * uy + uz * uz)
+        half, px, py, pz = row[14], row[10], row[11], row[12]
+        vx, vy, vz = half * row[7], half * row[8], half * row[9]
+        x, y, z = ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]
+        length = square_root(x * x + y * y + z * z)
+        x, y, z = (
+            (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 1.0)
+        )
+        # Any axis across: the one that is farthest from the axis of the capsule.
+        ux, uy, uz = (0.0, z, -y) if -0.7 < x < 0.7 else (-z, 0.0, x)
+        size = square_root(ux * ux + uy * uy + uz * uz)
+        ux, uy, uz = ux / size, uy / size, uz / size
+        wx, wy, wz = y * uz - z * uy, z * ux - x * uz, x * uy - y * ux
+        cx = 0.5 * (ends[0] + ends[3])
+        cy = 0.5 * (ends[1] + ends[4])
+        cz = 0.5 * (ends[2] + ends[5])
+        row[0], row[13], row[14], row[15] = 1.0, radius, 0.5 * length, 0.0
+        row[_MARGIN], row[17], row[18], row[19] = margin, 1.0, 0.0, 0.0
+        for k in range(3):
+            a, b, c = place[k], place[4 + k], place[8 + k]
+            row[1 + k] = a * ux + b * uy + c * uz
+            row[4 + k] = a * wx + b * wy + c * wz
+            row[7 + k] = a * x + b * y + c * z
+            row[10 + k] = a * cx + b * cy + c * cz + place[12 + k]
+        half, px, py, pz = row[14], row[10] - px, row[11] - py, row[12] - pz
+        vx, vy, vz = half * row[7] - vx, half * row[8] - vy, half * row[9] - vz
+        self.shifts[solid] += square_root(px * px + py * py + pz * pz)
+        self.shifts[solid] += square_root(vx * vx + vy * vy + vz * vz)
 
     def place(self, q: Doubles, share: float) -> None:
-        """Place the axes of the capsules at a share of the way from a pose."""
+        """Place the axes of the capsules at a share of the line from a pose."""
         for i in range(self.size):
             self.at[i] = q[i] + share * self.way[i]
         if self.is_tree:
@@ -172,22 +190,14 @@ class Clearances:
             0.5 * (ends[k] + ends[k + 3]),
             0.5 * (ends[k + 1] + ends[k + 4]),
             0.5 * (ends[k + 2] + ends[k + 5]),
-            self.solids,
             o,
-            self.triangles,
         )
         return self.solids[o + 17] * middle - self.extents[capsule]
 
     def exact(self, capsule: int, solid: int) -> float:
         """Return the distance of a capsule and a solid [m]."""
-        return self.nearness.to_row(
-            self.segments,
-            6 * capsule,
-            self.capsules[7 * capsule + 6],
-            self.solids,
-            _ROW * solid,
-            self.triangles,
-        )
+        radius = self.capsules[7 * capsule + 6]
+        return self.nearness.to_row(self.segments, 6 * capsule, radius, _ROW * solid)
 
     def note_motion(self, q: Doubles) -> None:
         """Note how far the points of each link can have moved since the last pose."""
@@ -201,7 +211,7 @@ class Clearances:
 
         Args:
             steps: Steps of the joints [rad or m], shape (n,).
-            first: What is added to each way [m].
+            first: Distance that is added to each [m].
 
         Returns:
             The longest way [m].
@@ -259,7 +269,7 @@ class Clearances:
         return least
 
     def blocked_at(self, q: Doubles, share: float) -> int:
-        """Return the first pair that is too near at a share of the way, or -1."""
+        """Return the first pair that is too near at a share of the line, or -1."""
         self.place(q, share)
         for capsule in range(self.count):
             for solid in range(self.solid_count):
@@ -280,7 +290,7 @@ class Clearances:
         """Return the share of `way`, 0 to 1, on which every pair keeps its margin.
 
         Args:
-            q: Joint positions from which the way leads [rad], shape (n,).
+            q: Joint positions at which the line begins [rad], shape (n,).
             zone: Gaps up to the horizon and this are to be exact [m].
         """
         length = self.add_up(self.way, 0.0)

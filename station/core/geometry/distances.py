@@ -25,7 +25,7 @@ SPHERE, CAPSULE, CYLINDER, BOX, HALF_SPACE, MESH = range(6)
 axis, which for a capsule ends in the middles of its caps; half the edges of a box; how
 far a mesh reaches beyond its triangles."""
 
-_ROW, _MARGIN = ROW, MARGIN  # as C numbers, by the .pxd, as the next ones
+# As C numbers, by the .pxd.
 _SPHERE, _CAPSULE, _CYLINDER, _BOX = SPHERE, CAPSULE, CYLINDER, BOX
 _HALF_SPACE = HALF_SPACE
 # Below it the nearest points of two lines are lost in rounding: they count as parallel.
@@ -38,6 +38,11 @@ _EXACT = 1e-7
 class Nearness:
     """Measures one capsule against one solid; keeps the result.
 
+    Args:
+        solids: Rows of solids, 20 numbers each.
+        triangles: Corners of the triangles of all meshes, in the frame of their solid
+            [m], 9 numbers each; the outside is where they turn left.
+
     Attributes:
         distance: Distance of the surfaces at the last measurement [m]; negative when
             they overlap.
@@ -45,50 +50,38 @@ class Nearness:
         normal: Direction in which the distance grows, unit length, shape (3,).
     """
 
-    def __init__(self) -> None:
+    def __init__(self, solids: Doubles, triangles: Doubles) -> None:
+        self.solids = solids
+        self.triangles = triangles
         self.distance = 0.0
         self.point = zeros(3)
         self.normal = zeros(3)
 
-    def to_row(
-        self,
-        ends: Doubles,
-        i: int,
-        radius: float,
-        solids: Doubles,
-        o: int,
-        triangles: Doubles,
-    ) -> float:
+    def to_row(self, ends: Doubles, i: int, radius: float, o: int) -> float:
         """Return the distance of a capsule to a solid, without its margin [m].
 
         Args:
             ends: Ends of the axes of the capsules [m].
-            i: Where those of this capsule begin.
+            i: Index of the capsule's first number.
             radius: The capsule's radius [m].
-            solids: Rows of solids, 20 numbers each.
-            o: Where the row of this solid begins.
-            triangles: Corners of the triangles of all meshes, in the frame of their
-                solid [m], 9 numbers each; the outside is where they turn left.
+            o: Index of the solid's first number.
         """
-        ux, uy, uz = (
-            ends[i + 3] - ends[i],
-            ends[i + 4] - ends[i + 1],
-            ends[i + 5] - ends[i + 2],
-        )
+        solids = self.solids
+        ux = ends[i + 3] - ends[i]
+        uy = ends[i + 4] - ends[i + 1]
+        uz = ends[i + 5] - ends[i + 2]
         length = square_root(ux * ux + uy * uy + uz * uz)
         low, high = 0.0, 1.0
         if solids[o + 17] < 0.0:
-            first = self.of_row(ends[i], ends[i + 1], ends[i + 2], solids, o, triangles)
-            last = self.of_row(
-                ends[i + 3], ends[i + 4], ends[i + 5], solids, o, triangles
-            )
+            first = self.of_row(ends[i], ends[i + 1], ends[i + 2], o)
+            last = self.of_row(ends[i + 3], ends[i + 4], ends[i + 5], o)
             share = 1.0 if last > first else 0.0
         else:
-            self.of_row(ends[i], ends[i + 1], ends[i + 2], solids, o, triangles)
+            self.of_row(ends[i], ends[i + 1], ends[i + 2], o)
             normal = self.normal
             share = 0.0
             if normal[0] * ux + normal[1] * uy + normal[2] * uz < 0.0:
-                self.of_row(ends[i + 3], ends[i + 4], ends[i + 5], solids, o, triangles)
+                self.of_row(ends[i + 3], ends[i + 4], ends[i + 5], o)
                 share = 1.0
                 if normal[0] * ux + normal[1] * uy + normal[2] * uz > 0.0:
                     while (high - low) * length > _EXACT:
@@ -97,20 +90,16 @@ class Nearness:
                             ends[i] + share * ux,
                             ends[i + 1] + share * uy,
                             ends[i + 2] + share * uz,
-                            solids,
                             o,
-                            triangles,
                         )
                         if normal[0] * ux + normal[1] * uy + normal[2] * uz < 0.0:
                             low = share
                         else:
                             high = share
-        x, y, z = (
-            ends[i] + share * ux,
-            ends[i + 1] + share * uy,
-            ends[i + 2] + share * uz,
-        )
-        distance = self.of_row(x, y, z, solids, o, triangles)
+        x = ends[i] + share * ux
+        y = ends[i + 1] + share * uy
+        z = ends[i + 2] + share * uz
+        distance = self.of_row(x, y, z, o)
         if solids[o + 17] < 0.0:
             distance, normal = -distance, self.normal
             normal[0], normal[1], normal[2] = -normal[0], -normal[1], -normal[2]
@@ -118,25 +107,16 @@ class Nearness:
         self.distance = distance - radius
         return self.distance
 
-    def of_row(
-        self,
-        px: float,
-        py: float,
-        pz: float,
-        solids: Doubles,
-        o: int,
-        triangles: Doubles,
-    ) -> float:
+    def of_row(self, px: float, py: float, pz: float, o: int) -> float:
         """Return the signed distance of a point to a solid; negative inside [m].
 
         Args:
             px: The point [m], as the next two.
             py: See `px`.
             pz: See `px`.
-            solids: Rows of solids.
-            o: Where the row of this solid begins.
-            triangles: Corners of the triangles of all meshes.
+            o: Index of the solid's first number.
         """
+        solids = self.solids
         kind = int(solids[o])
         wx, wy, wz = px - solids[o + 10], py - solids[o + 11], pz - solids[o + 12]
         x = solids[o + 1] * wx + solids[o + 2] * wy + solids[o + 3] * wz
@@ -186,7 +166,7 @@ class Nearness:
             distance = size - a
             x, y, z = (x / size, y / size, z / size) if size > 0.0 else (0.0, 0.0, 1.0)
         else:
-            distance = self.of_mesh(x, y, z, solids[o : o + _ROW], triangles) - a
+            distance = self.of_mesh(x, y, z, o) - a
             x, y, z = self.normal[0], self.normal[1], self.normal[2]
         normal = self.normal
         normal[0] = solids[o + 1] * x + solids[o + 4] * y + solids[o + 7] * z
@@ -194,19 +174,17 @@ class Nearness:
         normal[2] = solids[o + 3] * x + solids[o + 6] * y + solids[o + 9] * z
         return distance
 
-    def of_mesh(
-        self, x: float, y: float, z: float, solid: Doubles, triangles: Doubles
-    ) -> float:
+    def of_mesh(self, x: float, y: float, z: float, o: int) -> float:
         """Return the signed distance of a point to a convex mesh, in its frame [m].
 
         Args:
             x: The point in the frame of the solid [m], as the next two.
             y: See `x`.
             z: See `x`.
-            solid: The solid, 20 numbers.
-            triangles: Corners of the triangles of all meshes.
+            o: Where the row of the solid begins.
         """
-        begin, count, normal = int(solid[18]), int(solid[19]), self.normal
+        solids, triangles, normal = self.solids, self.triangles, self.normal
+        begin, count = int(solids[o + 18]), int(solids[o + 19])
         inside, best = -1e30, 1e30
         for k in range(9 * begin, 9 * (begin + count), 9):
             ax, ay, az = triangles[k], triangles[k + 1], triangles[k + 2]
@@ -249,11 +227,9 @@ class Nearness:
                 f = fx * fx + fy * fy + fz * fz
                 if f < least:
                     s, t = 1.0 - e, e
-            fx, fy, fz = (
-                wx - s * bx - t * cx,
-                wy - s * by - t * cy,
-                wz - s * bz - t * cz,
-            )
+            fx = wx - s * bx - t * cx
+            fy = wy - s * by - t * cy
+            fz = wz - s * bz - t * cz
             f = square_root(fx * fx + fy * fy + fz * fz)
             if f < best and f > 0.0:
                 best = f
@@ -274,18 +250,16 @@ def nearest_points(
     Args:
         first: Ends of one segment, 6 numbers.
         second: Ends of the other segment, 6 numbers.
-        point: Where the nearest point of the first one goes, shape (3,).
-        normal: Where the direction from the second one to it goes, shape (3,).
+        point: Receives the nearest point of the first one, shape (3,).
+        normal: Receives the direction from the second one to it, shape (3,).
     """
     s, t = 0.0, 0.0
-    px, py, pz, qx, qy, qz = (
-        first[0],
-        first[1],
-        first[2],
-        second[0],
-        second[1],
-        second[2],
-    )
+    px = first[0]
+    py = first[1]
+    pz = first[2]
+    qx = second[0]
+    qy = second[1]
+    qz = second[2]
     ux, uy, uz = first[3] - px, first[4] - py, first[5] - pz
     vx, vy, vz = second[3] - qx, second[4] - qy, second[5] - qz
     wx, wy, wz = px - qx, py - qy, pz - qz
@@ -323,7 +297,7 @@ def place_segments(
         capsules: The capsules, 7 numbers each.
         owners: For each capsule the index of its link; -1 for the base.
         links: Poses of the links, 16 numbers each.
-        segments: Where both ends of each segment go [m], 6 numbers per capsule.
+        segments: Receives both ends of each segment [m], 6 numbers per capsule.
     """
     for capsule in range(len(owners)):
         k = 16 * owners[capsule]
@@ -339,41 +313,6 @@ def place_segments(
             segments[o + 1] += links[k + 13]
             segments[o + 2] = links[k + 2] * x + links[k + 6] * y + links[k + 10] * z
             segments[o + 2] += links[k + 14]
-
-
-def put_capsule(
-    row: Doubles, place: Doubles, ends: Doubles, radius: float, margin: float
-) -> None:
-    """Write a capsule of another arm as a solid.
-
-    Args:
-        row: Where the solid goes, 20 numbers.
-        place: Pose of the other arm's base, 16 numbers.
-        ends: Ends of the axis in the frame of that base [m], shape (6,).
-        radius: Radius [m].
-        margin: Distance to keep [m].
-    """
-    x, y, z = ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]
-    length = square_root(x * x + y * y + z * z)
-    x, y, z = (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 1.0)
-    # Any axis across: the one that is farthest from the axis of the capsule.
-    ux, uy, uz = (0.0, z, -y) if -0.7 < x < 0.7 else (-z, 0.0, x)
-    size = square_root(ux * ux + uy * uy + uz * uz)
-    ux, uy, uz = ux / size, uy / size, uz / size
-    wx, wy, wz = y * uz - z * uy, z * ux - x * uz, x * uy - y * ux
-    cx, cy, cz = (
-        0.5 * (ends[0] + ends[3]),
-        0.5 * (ends[1] + ends[4]),
-        0.5 * (ends[2] + ends[5]),
-    )
-    row[0], row[13], row[14], row[15] = 1.0, radius, 0.5 * length, 0.0
-    row[_MARGIN], row[17], row[18], row[19] = margin, 1.0, 0.0, 0.0
-    for k in range(3):
-        a, b, c = place[k], place[4 + k], place[8 + k]
-        row[1 + k] = a * ux + b * uy + c * uz
-        row[4 + k] = a * wx + b * wy + c * wz
-        row[7 + k] = a * x + b * y + c * z
-        row[10 + k] = a * cx + b * cy + c * cz + place[12 + k]
 
 
 def reaches(chain: Doubles, capsules: Doubles, owners: Indices) -> list[float]:

@@ -1,7 +1,6 @@
 cimport cython
 from station.core.numerics.command_rates cimport limit_steps, limited
 from station.core.geometry.clearances cimport Clearances
-from station.core.geometry.distances cimport Nearness
 from station.core.numerics.arm_chain cimport least_rates, place_links, zero_jacobian
 from station.core.numerics.rigid_motion cimport twist_between
 from station.memory.functions cimport square_root
@@ -27,12 +26,10 @@ cdef class Guard:
     cdef public bint is_committing
     cdef readonly Clearances clearances
     cdef readonly list others, neighbours, places, arms
-    cpdef take(self, Clearances clearances, names)
     cpdef look(self)
     @cython.locals(number=long, other=Guard, place=double[::1])
     cpdef place_others(self)
     cpdef commit(self, double[::1] q, double share)
-    @cython.locals(near=Clearances)
     cdef put_places(self, double[::1] q, double share, long offset)
     cpdef double look_ahead(self, double[::1] q, double longest, double braking)
     cpdef limit_positions(self, double[::1] result)
@@ -47,7 +44,6 @@ cdef class Guard:
     cdef double share_within(self, double[::1] limits, double factor) noexcept
     cdef double look_ahead_of_twist(self)
     cdef void solve_joints(self) noexcept
-    @cython.locals(can_stop=bint, is_pushed=bint, near=Clearances)
+    @cython.locals(can_stop=bint, is_pushed=bint)
     cpdef bint limit_torques(self, double[::1] result)
-    @cython.locals(near=Nearness)
     cdef bint repel(self, long capsule, long solid, double gap) noexcept

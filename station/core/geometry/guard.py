@@ -1,4 +1,4 @@
-"""Slows the commands of an arm so that it can always stop clear of what is around it.
+"""Slows the commands of an arm so that it can always stop clear of its scene.
 
 The guard looks ahead to where the arm would come to rest if it braked now: along a line
 in the space of its joints, all of them stopping together with a share of their
@@ -234,7 +234,7 @@ class Guard:
                 row += 1
 
     def commit(self, q: Doubles, share: float) -> None:
-        """Note where the arm is and where it would come to rest.
+        """Note the present pose of the arm and the pose in which it would rest.
 
         Args:
             q: Joint positions [rad], shape (n,).
@@ -246,7 +246,7 @@ class Guard:
         self.put_places(q, share, 6)
 
     def put_places(self, q: Doubles, share: float, offset: int) -> None:
-        """Write the axes at a share of the way into `committed`."""
+        """Write the axes at a share of the line into `committed`."""
         near = self.clearances
         near.place(q, share)
         for i in range(self.count):
@@ -505,7 +505,7 @@ class Guard:
         least_rates(self.jacobian, self.rest, self.matrix, _SINGULAR, self.v)
 
     def limit_torques(self, result: Storage) -> bool:
-        """Push the links away from what they come near to.
+        """Push the links away from near solids.
 
         Args:
             result: The torques to send [Nm], shape (n,); changed in place.

@@ -1,4 +1,4 @@
-"""Mesh files of objects around robots, and convex hulls of what they hold."""
+"""Mesh files of objects around robots, and their convex hulls."""
 
 from itertools import combinations
 from pathlib import Path
@@ -89,7 +89,7 @@ def add_hull(vertices: NDArray[np.float64], triangles: list[float]) -> float:
 
     Args:
         vertices: The points [m], shape (n, 3).
-        triangles: Where the corners go [m], 9 numbers per triangle.
+        triangles: Receives the corners [m], 9 numbers per triangle.
 
     Returns:
         How far the points reach beyond these triangles [m], >= 0.
@@ -131,10 +131,8 @@ def add_hull(vertices: NDArray[np.float64], triangles: list[float]) -> float:
         )
     solid[0], solid[1], solid[5], solid[9] = distances.MESH, 1.0, 1.0, 1.0
     solid[18], solid[19] = begin // 9, (len(triangles) - begin) // 9
-    nearness, memory = distances.Nearness(), doubles(triangles)
-    return max(
-        0.0, max(nearness.of_mesh(x, y, z, solid, memory) for x, y, z in vertices)
-    )
+    nearness = distances.Nearness(solid, doubles(triangles))
+    return max(0.0, max(nearness.of_mesh(x, y, z, 0) for x, y, z in vertices))
 
 
 def _fan(corners: NDArray[np.float64], normal: NDArray[np.float64]) -> list[float]:

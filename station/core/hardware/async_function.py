@@ -14,49 +14,46 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    declare_boolean,
+    declare_number,
+    declare_string,
+)
 from station.core.faults import CONTAINED
-from station.core.numerics.statistics import DurationRing
+from station.core.numerics.durations import DurationRing
 from station.core.parameters import Parameters
 from station.core.ports.receipt import update_of_thread
 from station.core.scheduling import ROUND_ROBIN_PRIORITY
 from station.memory.wall_time import wall_time
 from station.reports import AsyncStatistics
 
-IS_ASYNC = DeclaredParameter(
-    name="is_async",
-    type=ParameterType.BOOLEAN,
-    default=False,
-    description="update it in a thread of its own, beside the loop",
+IS_ASYNC = declare_boolean(
+    "is_async", "update it in a thread of its own, beside the loop", default=False
 )
-POLICY = DeclaredParameter(
-    name="async_parameters/scheduling_policy",
-    type=ParameterType.STRING,
-    default="synchronized",
+POLICY = declare_string(
+    "async_parameters/scheduling_policy",
+    "when the result of an asynchronous update counts",
+    "synchronized",
     choices=("synchronized", "detached"),
-    description="when the result of an asynchronous update counts",
 )
-CYCLES = DeclaredParameter(
-    name="async_parameters/cycles",
-    type=ParameterType.NUMBER,
-    default=1.0,
+CYCLES = declare_number(
+    "async_parameters/cycles",
+    "after how many cycles the result of an asynchronous update counts",
+    1.0,
     minimum=1.0,
-    description="after how many cycles the result of an asynchronous update counts",
 )
-TIME_LIMIT = DeclaredParameter(
-    name="async_parameters/time_limit",
-    type=ParameterType.NUMBER,
-    unit="s",
-    default=1.0,
+TIME_LIMIT = declare_number(
+    "async_parameters/time_limit",
+    "an asynchronous update that takes longer is a fault",
+    1.0,
+    "s",
     minimum=0.0,
     excludes_minimum=True,
-    description="an asynchronous update that takes longer is a fault",
 )
-PROCESS = DeclaredParameter(
-    name="async_parameters/process",
-    type=ParameterType.BOOLEAN,
+PROCESS = declare_boolean(
+    "async_parameters/process",
+    "update it in a process, and a Python interpreter, of its own",
     default=False,
-    description="update it in a process, and a Python interpreter, of its own",
 )
 _WITHOUT_EFFECT = (
     "thread_priority",
@@ -70,7 +67,7 @@ _WITHOUT_EFFECT = (
 
 @dataclass(frozen=True, slots=True)
 class AsyncParams:
-    """The parameters of what is asynchronous.
+    """The parameters of an asynchronous controller or robot.
 
     Attributes:
         is_detached: Whether a result counts as soon as it is there.
@@ -115,7 +112,7 @@ class AsyncFunction:
     All methods but `statistics` are for the control thread.
 
     Args:
-        name: What is called, for the name of the thread.
+        name: Name of the function, for the name of the thread.
         function: Takes the station time of the cycle in which a call begins [s] and the
             time since the last call began [s].
         params: How it is called.
@@ -163,7 +160,7 @@ class AsyncFunction:
         )
 
     def is_idle(self) -> bool:
-        """Return whether neither a call nor what is owed after it is under way."""
+        """Return whether neither a call nor its aftermath is under way."""
         return not (self._is_busy or self._is_ending or self._owed)
 
     def is_overdue(self, time: float) -> bool:

@@ -103,7 +103,7 @@ class CombinedRobotHW(RobotHW):
     """Reads, writes and switches its robots in the order of `robot_hardware`.
 
     Parameters: `robot_hardware`, a list of names; and per name a namespace with the
-    robot's `type` and what that type needs.
+    robot's `type` and the parameters of that type.
 
     Args:
         create: Makes the robots.

@@ -57,14 +57,14 @@ class SceneGuard(ABC):
     def carry(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
         """Return a function for the control thread that makes objects parts of the arm.
 
-        All arms take what they carry before `prepare` lets the scene count.
+        All arms take their carried objects before `prepare` lets the scene count.
 
         Args:
             objects: All objects of the scene; those that the arm carries count.
 
         Raises:
             RobotDescriptionError: A mesh cannot be used.
-            SceneRefusedError: Nobody can carry an object.
+            SceneRefusedError: No robot can carry an object.
         """
 
     @abstractmethod
@@ -153,7 +153,7 @@ class SimulatedWorld(ABC):
         return ()
 
     def distances(self) -> Callable[[], tuple[str, str, float] | None]:
-        """Return a function that finds what is nearest to the links of a robot.
+        """Return a function that finds the bodies nearest to the links of a robot.
 
         It returns the names of a link and of a solid body that belongs to no robot, or
         to another one, and their distance [m]; None where there is none. Pairs that
@@ -167,7 +167,7 @@ class SimulatedWorld(ABC):
         margin: float,
         carried: Mapping[str, str] | None = None,
     ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
-        """Return a function that finds what would be near each other in a pose.
+        """Return a function that finds bodies that would be near each other in a pose.
 
         It takes positions of the joints [rad or m] and returns names of two bodies and
         their distance [m], negative inside of each other, for each pair below the
@@ -248,7 +248,7 @@ class HardwareComponent:
         name: Its name, unique among the components of a station.
         robot: The robot whose hooks are called.
         type: `system`, `actuator` or `sensor`.
-        plugin: What drives it, `package/Class` or `module:Class`.
+        plugin: Class of its robot, `package/Class` or `module:Class`.
         resources: Names of its resources; None for all of the robot.
         key: Name by which the hooks of the robot know it; empty for `name`.
     """

@@ -15,7 +15,7 @@ class JointLimitsReport:
         joint: Name of the joint.
         limits: Hard limits.
         soft_limits: Soft limits, before which the joint is slowed down; None without.
-        sources: Where each kind of limit comes from, such as "urdf limit" or
+        sources: Source of each kind of limit, such as "urdf limit" or
             "parameters"; keys are "position", "velocity", "acceleration", "jerk",
             "effort" and "soft", as far as there is such a limit.
     """

@@ -69,7 +69,7 @@ def service(
 
     The method runs in the control thread between two cycles: it must be short and must
     not wait. It refuses with an error of `station.core.errors`, having changed nothing.
-    Parameters and the returned value are what JSON has: numbers, text, truth values,
+    Parameters and the returned value have types of JSON: numbers, text, truth values,
     None, lists and dictionaries of these.
 
     Args:

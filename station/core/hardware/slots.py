@@ -1,6 +1,6 @@
 """Slots, where a robot keeps single numbers, and runs of slots that lie side by side.
 
-What lies side by side is read and written at once, which is faster than number by
+Adjacent numbers are read and written at once, which is faster than number by
 number. Views of one block of doubles may be neighbours, too.
 """
 

@@ -1,6 +1,6 @@
 """One cycle of the control loop: waiting operations, read, update, write.
 
-The order of a cycle and of what happens while time stands still is here alone; the loop
+The order of a cycle, also while time stands still, is here alone; the loop
 decides when a cycle begins.
 """
 
@@ -33,10 +33,10 @@ class ControlCycle:
         hw: The robot, initialised.
         manager: Its controllers.
         joints: The joints whose states every row of the snapshots has.
-        snapshots: Where every cycle leaves a row.
+        snapshots: Ring that receives a row in every cycle.
         operations: Operations of other threads between two cycles.
         stop_latch: The latched stop.
-        heartbeat: Where a watchdog asks for a stop.
+        heartbeat: Page in which a watchdog asks for a stop.
         times: Takes the durations of every cycle.
         clock: Wall time.
 

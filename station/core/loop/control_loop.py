@@ -31,8 +31,7 @@ from station.core.loop.pace import Pace
 from station.core.loop.right_of_way import RightOfWay
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
-from station.core.numerics.durations import CycleTimes
-from station.core.numerics.statistics import DurationRing, percentiles_of
+from station.core.numerics.durations import CycleTimes, DurationRing, percentiles_of
 from station.core.scheduling import (
     keep_interpreter,
     let_others_in,
@@ -98,7 +97,7 @@ class LoopMeter:
 
         Args:
             state: Whether the thread runs.
-            failure: Traceback of what ended it; empty if nothing did.
+            failure: Traceback of the error that ended it; empty without an error.
             period: Nominal period in station time [s], > 0.
             real_time_factor: Station time over wall time, as asked for, > 0.
             scheduler: Scheduling class granted to the thread, in words.
@@ -152,14 +151,14 @@ class ControlLoop:
         real_time_factor: Station time over wall time of the thread, 0.01 to 100.
         update_budget: How long an update of one controller may take in the thread
             [s wall time], > 0; `period` when None, infinite for no budget.
-        snapshots: Where every cycle leaves its snapshot.
+        snapshots: Ring that receives a snapshot in every cycle.
         heartbeat: The page shared with a watchdog; one of this process alone when None.
 
     Attributes:
-        control_cycle: Runs the cycles, and what waits between them.
+        control_cycle: Runs the cycles, and operations between them.
         stop_latch: The latched stop; carried out between two cycles.
         pace: Whether time passes in the thread, and how fast.
-        heartbeat: Where the thread leaves the time of every wake-up, and where a
+        heartbeat: Page that has the time of every wake-up, and in which a
             watchdog asks for a stop.
         right_of_way: Tells other threads when to wait for the control thread.
 

@@ -39,11 +39,11 @@ class CycleTap(Generic[SampleT]):
     """Samples in the control thread at the end of every cycle while it is open.
 
     What every cycle leaves in any case is in the ring of snapshots. A tap is for what
-    costs too much to be kept when nobody reads it, such as the whole state of an arm.
+    costs too much to be kept without a reader, such as the whole state of an arm.
 
     Args:
         loop: The loop.
-        sample: Returns what is kept of a cycle; must not wait, and nobody may change
+        sample: Returns the kept values of a cycle; must not wait; no reader may change
             what it returned.
 
     Attributes:

@@ -23,7 +23,7 @@ class Operation:
     Attributes:
         result: Result of `action`.
         error: Error of `action`, or why it will never run; None if neither.
-        abandoned: Nobody waits for it any more: it will not be run.
+        abandoned: Its caller waits no more: it will not be run.
         done: Released once `result` or `error` is there.
     """
 
@@ -53,7 +53,7 @@ class Operation:
             details: About the loop, for the error.
 
         Raises:
-            LoopError: Nobody did it in time; nobody will do it later.
+            LoopError: It was not run in time, and will not be run later.
         """
         if not self.done.acquire(timeout=timeout):
             # A caller that got an error must not find it carried out later.
@@ -106,7 +106,7 @@ class Operations:
 
 
 def guarded(check: Callable[[], None], action: Callable[[], T]) -> Callable[[], T]:
-    """Return `action` behind a check that raises when it must not be done.
+    """Return `action` behind a check that raises when the action is not allowed.
 
     The check comes when the action does, because a stop may come after the request.
 

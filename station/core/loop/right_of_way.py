@@ -1,6 +1,6 @@
 """The control thread has the right of way: others look before they compute.
 
-A thread that computes keeps the interpreter lock until somebody has waited for it for a
+A thread that computes keeps the interpreter lock until another has waited for it for a
 switch interval, 0.1 ms and more. Work that comes often and takes less than that would
 make one cycle in ten late. So it is done in short pieces, and each piece waits when the
 next cycle would begin meanwhile (benchmarks/bench_jitter.py).
@@ -28,7 +28,7 @@ class RightOfWay:
 
     Args:
         clock: The loop's clock.
-        heartbeat: Where the control thread leaves the time of every wake-up.
+        heartbeat: Page that has the time of every wake-up of the control thread.
         period: The loop's nominal period [s].
         pace: How fast its time passes.
     """
@@ -59,7 +59,7 @@ class RightOfWay:
     def wait_for_begun_cycle(self) -> None:
         """Wait until the next cycle has begun, so that its period is still to come.
 
-        For what takes most of a period, whenever it is done: it then makes the next
+        For work that takes most of a period, at any moment: it then makes the next
         cycle as little late as possible.
         """
         begins = self._beats[0] + self._period / self._pace.real_time_factor

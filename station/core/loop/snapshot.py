@@ -16,7 +16,7 @@ from station.core.control.controller import (
     unpack_sample,
 )
 from station.core.control.loaded_controller import LoadedController
-from station.core.control.sample_columns import PackedColumns
+from station.core.control.sample_columns import Column, PackedColumns
 from station.memory.doubles import Doubles, zeros
 from station.memory.vectors import copy_into
 
@@ -34,7 +34,7 @@ its station time, which the columns follow. The index is -1 if it is an object."
 
 
 class Snapshot(NamedTuple):
-    """The state after one cycle. Nobody changes it once it is in the ring.
+    """The state after one cycle. It never changes once it is in the ring.
 
     Attributes:
         cycle: Number of the cycle, from 1, without gaps.
@@ -73,7 +73,7 @@ class Rows:
         numbers: Their rows, see `SnapshotRing`, shape (k, width).
         states: How many of a row's numbers are states of joints, 3 n.
         modes: The robot's mode in each.
-        layouts: Where the samples are in each row.
+        layouts: Columns of the samples in each row.
         objects: Samples that are objects, by name.
         lost: How many cycles were overwritten before.
     """
@@ -165,14 +165,6 @@ class Rows:
         return int(cycle), int(epoch), stamp, period, mode, states, samples
 
 
-class StateBlock:
-    """States of joints that lie side by side."""
-
-    def __init__(self, values: Doubles) -> None:
-        self.values = values
-        self.size = len(values)
-
-
 class SnapshotRing:
     """Keeps the last `capacity` cycles without a lock, in memory that is made once.
 
@@ -201,10 +193,10 @@ class SnapshotRing:
         """Forget all cycles, and make memory for others.
 
         Args:
-            blocks: Where the states of the joints are read, one after the other.
+            blocks: Memory of the joints' states, one block after the other.
             room: How many doubles samples may take.
         """
-        self.blocks = [StateBlock(values) for values in blocks]
+        self.blocks = [Column(values) for values in blocks]
         self.states = sum(len(values) for values in blocks)
         self.room = room
         self.width = _HEAD + self.states + room
@@ -314,7 +306,7 @@ class SnapshotRing:
         return [rows.record(k) for k in range(len(rows))], rows.lost
 
     def rows_since(self, cycle: int) -> Rows:
-        """Return the cycles after `cycle` as they are; see `read_since`.
+        """Return the rows of the cycles after `cycle`; see `read_since`.
 
         Args:
             cycle: Number of the last cycle the reader has seen; 0 for none.

@@ -23,7 +23,7 @@ class StopLatch:
     flag at its next cycle and stops every controller. Any thread may call it.
 
     Attributes:
-        state: Where it is.
+        state: State of the latch.
         flag: Not 0 while it is engaged, and not yet carried out by the loop.
         reason: Why it was engaged last, for people.
         cycle: The cycle in which the last stop was carried out; 0 if none was.
@@ -39,11 +39,11 @@ class StopLatch:
 
     @property
     def pending(self) -> bool:
-        """Return whether it is engaged, and not yet carried out by the loop."""
+        """Return whether the stop is engaged, and not yet carried out by the loop."""
         return self.flag[0] != 0
 
     def engage(self, reason: str) -> None:
-        """Stop everything; again when it is stopped already changes nothing else."""
+        """Engage the stop; a second call changes only the reason."""
         # Counted before the state changes, so that `_change` sees a stop that comes in
         # between.
         self._engagements += 1

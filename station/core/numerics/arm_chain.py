@@ -1,6 +1,7 @@
-"""Poses and Jacobians of an arm whose links form a chain of revolute joints.
+"""Poses and Jacobians of arms, and the equation between twists and joint motions.
 
-Robots of other joints are trees, of which the poses alone are computed.
+Most functions are for an arm whose links form a chain of revolute joints. Of a tree of
+other joints the poses alone are computed; `JointChain` is the way through one.
 
 A chain of n joints is given by 4 (n + 1) numbers, a [m], d [m], cos alpha and sin alpha
 of each joint and of the flange, after Craig's convention of Denavit and Hartenberg: the
@@ -12,7 +13,10 @@ which follow each other in one array, are written by elements: their last rows s
 they are. A Jacobian has 6 n numbers, column-major, rows vx vy vz wx wy wz.
 """
 
-from station.memory.doubles import Doubles, Storage, doubles
+from collections.abc import Sequence
+
+from station.core.numerics.rigid_motion import compose, displace
+from station.memory.doubles import Doubles, Storage, doubles, indices, zeros
 from station.memory.functions import cosine, sine
 
 TREE_ROW = 17
@@ -36,7 +40,7 @@ def place_links(chain: Storage, q: Storage, links: Storage) -> None:
         chain: The chain of n joints.
         q: Joint positions [rad], shape (n,). A position that is not finite makes the
             poses of the links behind NaN.
-        links: Where n + 1 poses go.
+        links: Receives n + 1 poses.
     """
     xx, xy, xz, yx, yy, yz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     zx, zy, zz, px, py, pz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
@@ -76,7 +80,7 @@ def place_tree(tree: Doubles, q: Storage, links: Storage) -> None:
             position by that of the joint; its axes and its origin in the frame of the
             parent at 0.
         q: Positions of the joints [rad or m].
-        links: Where the poses go, 16 numbers each.
+        links: Receives the poses, 16 numbers each.
     """
     ax, ay, az, bx, by, bz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     cx, cy, cz, ox, oy, oz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
@@ -92,11 +96,9 @@ def place_tree(tree: Doubles, q: Storage, links: Storage) -> None:
             cx, cy, cz = links[p + 8], links[p + 9], links[p + 10]
             ox, oy, oz = links[p + 12], links[p + 13], links[p + 14]
         for axis in range(4):
-            x, y, z = (
-                tree[r + 3 * axis + 5],
-                tree[r + 3 * axis + 6],
-                tree[r + 3 * axis + 7],
-            )
+            x = tree[r + 3 * axis + 5]
+            y = tree[r + 3 * axis + 6]
+            z = tree[r + 3 * axis + 7]
             i = k + 4 * axis
             links[i] = ax * x + bx * y + cx * z
             links[i + 1] = ay * x + by * y + cy * z
@@ -118,7 +120,7 @@ def zero_jacobian(links: Storage, pose: Storage, result: Storage) -> None:
     Args:
         links: Poses of the links.
         pose: The pose in the base frame, 16 numbers.
-        result: Where the columns of the first m joints go, those that move the pose;
+        result: Receives the columns of the first m joints, those that move the pose;
             6 m numbers.
     """
     px, py, pz = pose[12], pose[13], pose[14]
@@ -139,7 +141,7 @@ def turn_to_inner_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None
     Args:
         pose: The pose, 16 numbers.
         vectors: The vectors, 3 numbers each: a Jacobian, a twist or a wrench.
-        result: Where the vectors go, as many; may be `vectors`.
+        result: Receives the vectors, as many; may be `vectors`.
     """
     a, b, c, d, e, f = pose[0], pose[1], pose[2], pose[4], pose[5], pose[6]
     g, h, i = pose[8], pose[9], pose[10]
@@ -156,7 +158,7 @@ def turn_to_outer_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None
     Args:
         pose: The pose, 16 numbers.
         vectors: The vectors, 3 numbers each.
-        result: Where the vectors go, as many; may be `vectors`.
+        result: Receives the vectors, as many; may be `vectors`.
     """
     a, b, c, d, e, f = pose[0], pose[1], pose[2], pose[4], pose[5], pose[6]
     g, h, i = pose[8], pose[9], pose[10]
@@ -173,21 +175,17 @@ def twist_of(jacobian: Doubles, rates: Doubles, result: Doubles) -> None:
     Args:
         jacobian: The Jacobian J of n joints.
         rates: Joint velocities [rad/s] or accelerations [rad/s^2], shape (n,).
-        result: Where the twist goes, shape (6,).
+        result: Receives the twist, shape (6,).
     """
     a, b, c, d, e, f = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for joint in range(len(rates)):
         rate, k = rates[joint], 6 * joint
-        a, b, c = (
-            a + jacobian[k] * rate,
-            b + jacobian[k + 1] * rate,
-            c + jacobian[k + 2] * rate,
-        )
-        d, e, f = (
-            d + jacobian[k + 3] * rate,
-            e + jacobian[k + 4] * rate,
-            f + jacobian[k + 5] * rate,
-        )
+        a = a + jacobian[k] * rate
+        b = b + jacobian[k + 1] * rate
+        c = c + jacobian[k + 2] * rate
+        d = d + jacobian[k + 3] * rate
+        e = e + jacobian[k + 4] * rate
+        f = f + jacobian[k + 5] * rate
     result[0], result[1], result[2], result[3], result[4], result[5] = a, b, c, d, e, f
 
 
@@ -197,7 +195,7 @@ def torques_of(jacobian: Doubles, wrench: Doubles, result: Doubles) -> None:
     Args:
         jacobian: The Jacobian J of n joints.
         wrench: Force [N], then torque [Nm], shape (6,).
-        result: Where the torques go [Nm], shape (n,).
+        result: Receives the torques [Nm], shape (n,).
     """
     a, b, c = wrench[0], wrench[1], wrench[2]
     d, e, f = wrench[3], wrench[4], wrench[5]
@@ -221,7 +219,7 @@ def measure_accelerations(
     sensors: Doubles,
     result: Doubles,
 ) -> None:
-    """Write what accelerometers measure that are fixed to the base and to links.
+    """Write the readings of accelerometers that are fixed to the base and to links.
 
     An accelerometer measures the acceleration of its point less that of gravity, in its
     own axes: at rest 9.81 m/s^2 upwards.
@@ -233,7 +231,7 @@ def measure_accelerations(
         gravity: Acceleration of gravity in the axes of the base [m/s^2], shape (3,).
         sensors: Poses in the frame of the base, of link 1, of link 2 and so on, 16
             numbers each; at most n + 1.
-        result: Where the accelerations go [m/s^2], 3 numbers per sensor.
+        result: Receives the accelerations [m/s^2], 3 numbers per sensor.
     """
     gx, gy, gz = gravity[0], gravity[1], gravity[2]
     # The axes and the origin of the link, which begins as the base.
@@ -262,21 +260,17 @@ def measure_accelerations(
             wx, wy, wz = wx + rate * zx, wy + rate * zy, wz + rate * zz
         k = 16 * link
         x, y, z = sensors[k + 12], sensors[k + 13], sensors[k + 14]
-        rx, ry, rz = (
-            xx * x + yx * y + zx * z,
-            xy * x + yy * y + zy * z,
-            xz * x + yz * y + zz * z,
-        )
+        rx = xx * x + yx * y + zx * z
+        ry = xy * x + yy * y + zy * z
+        rz = xz * x + yz * y + zz * z
         sx, sy, sz = wy * rz - wz * ry, wz * rx - wx * rz, wx * ry - wy * rx
         x = ax + uy * rz - uz * ry + wy * sz - wz * sy
         y = ay + uz * rx - ux * rz + wz * sx - wx * sz
         z = az + ux * ry - uy * rx + wx * sy - wy * sx
         # From the axes of the base to those of the link, then to those of the sensor.
-        rx, ry, rz = (
-            xx * x + xy * y + xz * z,
-            yx * x + yy * y + yz * z,
-            zx * x + zy * y + zz * z,
-        )
+        rx = xx * x + xy * y + xz * z
+        ry = yx * x + yy * y + yz * z
+        rz = zx * x + zy * y + zz * z
         for axis in range(3):
             k = 16 * link + 4 * axis
             result[3 * link + axis] = (
@@ -298,7 +292,7 @@ def least_rates(
         twist: The twist [m/s, rad/s], shape (6,); lost.
         matrix: Memory for 36 numbers.
         damping: Square of the damping, > 0.
-        result: Where the velocities go [rad/s], shape (n,).
+        result: Receives the velocities [rad/s], shape (n,).
     """
     size = len(result)
     for k in range(6):
@@ -323,3 +317,184 @@ def least_rates(
         for k in range(6):
             total += jacobian[6 * i + k] * twist[k]
         result[i] = total
+
+
+class JointChain:
+    """The joints between a base and a frame.
+
+    Args:
+        size: Number n of the positions that are given; the chain may have fewer joints.
+        origins: Pose of each joint of the chain in the frame that carries it, and at
+            last of the frame in that of the last joint, 16 numbers each.
+        axes: Axis of each joint of the chain in its own frame, 3 numbers each.
+        turns: 1 for each joint that turns, 0 for each that slides.
+        places: Which of the n positions is that of each joint of the chain.
+
+    Attributes:
+        pose: Pose of the frame in the base, 16 numbers.
+        jacobian: Its Jacobian, 6 n numbers; 0 for a joint that is not in the chain.
+    """
+
+    def __init__(
+        self,
+        size: int,
+        origins: Storage,
+        axes: Storage,
+        turns: Storage,
+        places: Sequence[int],
+    ) -> None:
+        self.count = len(turns)
+        self.origins = doubles(origins)
+        self.axes = doubles(axes)
+        self.turns = doubles(turns)
+        self.indices = indices(places)
+        self.pose = zeros(16)
+        self.jacobian = zeros(6 * size)
+        self.way = zeros(6)
+        # Axis and origin of each joint in the base frame.
+        self.screws = zeros(6 * len(turns))
+
+    def place(self, q: Doubles) -> None:
+        """Bring the pose up to date.
+
+        Args:
+            q: Joint positions [rad or m], shape (n,).
+        """
+        pose, way, axes, screws = self.pose, self.way, self.axes, self.screws
+        for k in range(16):
+            pose[k] = self.origins[k]
+        for joint in range(self.count):
+            angle = q[self.indices[joint]]
+            turn_to_outer_axes(pose, axes[3 * joint : 3 * joint + 3], way)
+            k = 6 * joint
+            screws[k], screws[k + 1], screws[k + 2] = way[0], way[1], way[2]
+            screws[k + 3], screws[k + 4], screws[k + 5] = pose[12], pose[13], pose[14]
+            if self.turns[joint] != 0.0:
+                way[3], way[4], way[5] = way[0], way[1], way[2]
+                way[0] = way[1] = way[2] = 0.0
+            else:
+                way[3] = way[4] = way[5] = 0.0
+            displace(pose, way, angle, pose)
+            compose(pose, self.origins[16 * joint + 16 : 16 * joint + 32], pose)
+
+    def differentiate(self) -> None:
+        """Bring the Jacobian up to date with the pose."""
+        px, py, pz = self.pose[12], self.pose[13], self.pose[14]
+        screws, jacobian = self.screws, self.jacobian
+        for joint in range(self.count):
+            k, column = 6 * joint, 6 * self.indices[joint]
+            ax, ay, az = screws[k], screws[k + 1], screws[k + 2]
+            x, y, z = px - screws[k + 3], py - screws[k + 4], pz - screws[k + 5]
+            if self.turns[joint] != 0.0:
+                jacobian[column] = ay * z - az * y
+                jacobian[column + 1] = az * x - ax * z
+                jacobian[column + 2] = ax * y - ay * x
+                jacobian[column + 3] = ax
+                jacobian[column + 4] = ay
+                jacobian[column + 5] = az
+            else:
+                jacobian[column], jacobian[column + 1] = ax, ay
+                jacobian[column + 2] = az
+
+
+class WrenchEquation:
+    """The equation (J J^T + damping) x = b of one Jacobian, solved for many b.
+
+    Its solution gives the joint motion J^T x that moves an end effector by b with the
+    least effort, and the wrench x at an end effector from the joint torques tau with
+    b = J tau. J J^T = L D L^T is a matrix of 6 x 6 numbers for any number of joints; L
+    is unit lower triangular, D diagonal.
+    """
+
+    def __init__(self) -> None:
+        self.l10 = self.l20 = self.l21 = self.l30 = self.l31 = self.l32 = 0.0
+        self.l40 = self.l41 = self.l42 = self.l43 = 0.0
+        self.l50 = self.l51 = self.l52 = self.l53 = self.l54 = 0.0
+        self.d0 = self.d1 = self.d2 = self.d3 = self.d4 = self.d5 = 1.0
+
+    def factorise(self, jacobian: Doubles, damping: float) -> bool:
+        """Take a Jacobian; return whether the matrix is positive definite.
+
+        With a damping of -s^2 it is so if all singular values of J are above s.
+
+        Args:
+            jacobian: The Jacobian J of n joints, 6 n numbers, column-major.
+            damping: Number to add to the diagonal.
+        """
+        g00 = g11 = g22 = g33 = g44 = g55 = damping
+        g10, g20, g21, g30, g31, g32 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        g40, g41, g42, g43, g50, g51 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        g52, g53, g54 = 0.0, 0.0, 0.0
+        for k in range(0, len(jacobian), 6):
+            a, b, c = jacobian[k], jacobian[k + 1], jacobian[k + 2]
+            d, e, f = jacobian[k + 3], jacobian[k + 4], jacobian[k + 5]
+            if not (a or b or c or d or e or f):
+                continue  # a joint that is kept where it is
+            # Of three numbers at most, Python makes no tuple first.
+            g00, g10, g11 = g00 + a * a, g10 + b * a, g11 + b * b
+            g20, g21, g22 = g20 + c * a, g21 + c * b, g22 + c * c
+            g30, g31, g32 = g30 + d * a, g31 + d * b, g32 + d * c
+            g33, g40, g41 = g33 + d * d, g40 + e * a, g41 + e * b
+            g42, g43, g44 = g42 + e * c, g43 + e * d, g44 + e * e
+            g50, g51, g52 = g50 + f * a, g51 + f * b, g52 + f * c
+            g53, g54, g55 = g53 + f * d, g54 + f * e, g55 + f * f
+        if not g00 > 0.0:
+            return False
+        l10, l20, l30, l40, l50 = g10 / g00, g20 / g00, g30 / g00, g40 / g00, g50 / g00
+        d1 = g11 - l10 * g10
+        if not d1 > 0.0:
+            return False
+        g21, g31 = g21 - l20 * g10, g31 - l30 * g10
+        g41, g51 = g41 - l40 * g10, g51 - l50 * g10
+        l21, l31, l41, l51 = g21 / d1, g31 / d1, g41 / d1, g51 / d1
+        d2 = g22 - l20 * g20 - l21 * g21
+        if not d2 > 0.0:
+            return False
+        g32 = g32 - l30 * g20 - l31 * g21
+        g42, g52 = g42 - l40 * g20 - l41 * g21, g52 - l50 * g20 - l51 * g21
+        l32, l42, l52 = g32 / d2, g42 / d2, g52 / d2
+        d3 = g33 - l30 * g30 - l31 * g31 - l32 * g32
+        if not d3 > 0.0:
+            return False
+        g43 = g43 - l40 * g30 - l41 * g31 - l42 * g32
+        g53 = g53 - l50 * g30 - l51 * g31 - l52 * g32
+        l43, l53 = g43 / d3, g53 / d3
+        d4 = g44 - l40 * g40 - l41 * g41 - l42 * g42 - l43 * g43
+        if not d4 > 0.0:
+            return False
+        g54 = g54 - l50 * g40 - l51 * g41 - l52 * g42 - l53 * g43
+        l54 = g54 / d4
+        d5 = g55 - l50 * g50 - l51 * g51 - l52 * g52 - l53 * g53 - l54 * g54
+        if not d5 > 0.0:
+            return False
+        self.l10, self.l20, self.l21, self.l30, self.l31 = l10, l20, l21, l30, l31
+        self.l32, self.l40, self.l41, self.l42, self.l43 = l32, l40, l41, l42, l43
+        self.l50, self.l51, self.l52, self.l53, self.l54 = l50, l51, l52, l53, l54
+        self.d0, self.d1, self.d2 = g00, d1, d2
+        self.d3, self.d4, self.d5 = d3, d4, d5
+        return True
+
+    def solve(self, b: Doubles, x: Doubles) -> None:
+        """Solve the equation of the last Jacobian for which `factorise` was true.
+
+        Args:
+            b: The right-hand side, shape (6,).
+            x: Where the solution goes, shape (6,); may be `b`.
+        """
+        l10, l20, l30, l40 = self.l10, self.l20, self.l30, self.l40
+        l50, l21, l31, l41 = self.l50, self.l21, self.l31, self.l41
+        l51, l32, l42, l52 = self.l51, self.l32, self.l42, self.l52
+        l43, l53, l54 = self.l43, self.l53, self.l54
+        y0 = b[0]
+        y1 = b[1] - l10 * y0
+        y2 = b[2] - l20 * y0 - l21 * y1
+        y3 = b[3] - l30 * y0 - l31 * y1 - l32 * y2
+        y4 = b[4] - l40 * y0 - l41 * y1 - l42 * y2 - l43 * y3
+        y5 = b[5] - l50 * y0 - l51 * y1 - l52 * y2 - l53 * y3 - l54 * y4
+        y5 = y5 / self.d5
+        y4 = y4 / self.d4 - l54 * y5
+        y3 = y3 / self.d3 - l43 * y4 - l53 * y5
+        y2 = y2 / self.d2 - l32 * y3 - l42 * y4 - l52 * y5
+        y1 = y1 / self.d1 - l21 * y2 - l31 * y3 - l41 * y4 - l51 * y5
+        y0 = y0 / self.d0 - l10 * y1 - l20 * y2 - l30 * y3 - l40 * y4 - l50 * y5
+        x[0], x[1], x[2], x[3], x[4], x[5] = y0, y1, y2, y3, y4, y5

@@ -1,4 +1,3 @@
-cimport cython
 from station.core.numerics.arm_chain cimport place_links
 from station.memory.vectors cimport copy_into
 
@@ -8,8 +7,6 @@ cdef class ArmDynamics:
     cdef bint is_weighed
     cdef readonly long changes
     cdef readonly long long version
-    cpdef void move_to(self, object q) except *
-    @cython.locals(differs=bint)
     cpdef void move_links(self, double[::1] q) noexcept
     cpdef void weigh(self) noexcept
     cpdef void mass(self, double[::1] result) noexcept

@@ -104,21 +104,15 @@ class ArmDynamics:
             a, b, c = bodies[k + 4], bodies[k + 5], bodies[k + 6]
             d, e, f = bodies[k + 7], bodies[k + 8], bodies[k + 9]
             # The columns of R S, to be multiplied by R^T.
-            ix, iy, iz = (
-                a * xx + d * yx + e * zx,
-                a * xy + d * yy + e * zy,
-                a * xz + d * yz + e * zz,
-            )
-            jx, jy, jz = (
-                d * xx + b * yx + f * zx,
-                d * xy + b * yy + f * zy,
-                d * xz + b * yz + f * zz,
-            )
-            kx, ky, kz = (
-                e * xx + f * yx + c * zx,
-                e * xy + f * yy + c * zy,
-                e * xz + f * yz + c * zz,
-            )
+            ix = a * xx + d * yx + e * zx
+            iy = a * xy + d * yy + e * zy
+            iz = a * xz + d * yz + e * zz
+            jx = d * xx + b * yx + f * zx
+            jy = d * xy + b * yy + f * zy
+            jz = d * xz + b * yz + f * zz
+            kx = e * xx + f * yx + c * zx
+            ky = e * xy + f * yy + c * zy
+            kz = e * xz + f * yz + c * zz
             moments[k + 4] = ix * xx + jx * yx + kx * zx + (ux + hx) * px
             moments[k + 5] = iy * xy + jy * yy + ky * zy + (uy + hy) * py
             moments[k + 6] = iz * xz + jz * yz + kz * zz + (uz + hz) * pz
@@ -130,7 +124,7 @@ class ArmDynamics:
         """Write the mass matrix at the present positions.
 
         Args:
-            result: Where the matrix goes [kg m^2], n n numbers.
+            result: Receives the matrix [kg m^2], n n numbers.
         """
         if not self.is_weighed:
             self.weigh()
@@ -172,7 +166,7 @@ class ArmDynamics:
 
         Args:
             acceleration: Acceleration of gravity in the base frame [m/s^2], shape (3,).
-            result: Where the torques go [Nm], shape (n,).
+            result: Receives the torques [Nm], shape (n,).
         """
         if not self.is_weighed:
             self.weigh()
@@ -196,7 +190,7 @@ class ArmDynamics:
 
         Args:
             dq: Joint velocities [rad/s], shape (n,).
-            result: Where the torques go [Nm], shape (n,).
+            result: Receives the torques [Nm], shape (n,).
         """
         if not self.is_weighed:
             self.weigh()

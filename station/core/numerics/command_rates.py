@@ -22,7 +22,7 @@ def low_pass(
         values: The new commands, shape (>= size,).
         last: The filter's last output, shape (>= size,).
         gain: Share of the new commands, 0 to 1; 1 is off.
-        result: Where the output goes, shape (>= size,).
+        result: Receives the output, shape (>= size,).
         size: How many there are.
     """
     rest = 1.0 - gain

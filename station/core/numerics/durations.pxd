@@ -1,11 +1,10 @@
-cdef class Durations:
-    cdef readonly Py_ssize_t capacity
+cdef class DurationRing:
     cdef readonly double[::1] values
+    cdef readonly Py_ssize_t capacity
     cdef Py_ssize_t place
-    cdef readonly long long count
+    cdef readonly long long added, count
     cdef readonly double largest, total, squares
     cpdef add(self, double duration)
-    cdef void put(self, double duration) noexcept
 
 cdef class CycleTimes:
     cdef readonly double[::1] rows

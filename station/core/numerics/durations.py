@@ -1,9 +1,13 @@
-"""Durations in a ring, without allocation."""
+"""Durations in a ring without allocation, and their percentiles."""
+
+import numpy as np
+from numpy.typing import NDArray
 
 from station.memory.doubles import zeros
+from station.reports import Percentiles
 
 
-class Durations:
+class DurationRing:
     """The last durations. One thread adds, any thread may read.
 
     Args:
@@ -11,6 +15,7 @@ class Durations:
 
     Attributes:
         values: The ring, shape (capacity,).
+        added: Number of durations ever added; a reset does not change it.
         count: Number of durations since the last reset.
         largest: Largest duration since the last reset [s].
         total: Sum of the durations since the last reset [s].
@@ -20,26 +25,8 @@ class Durations:
     def __init__(self, capacity: int = 16384) -> None:
         self.capacity = capacity
         self.values = zeros(capacity)
-        self.place = 0
-        self.count = 0
-        self.largest = 0.0
-        self.total = 0.0
-        self.squares = 0.0
-
-    def add(self, duration: float) -> None:
-        """Add a duration [s]."""
-        self.put(duration)
-
-    def put(self, duration: float) -> None:
-        """Add a duration [s]; for compiled callers, which need no look-up."""
-        place = self.place
-        self.values[place] = duration
-        self.place = 0 if place + 1 == self.capacity else place + 1
-        self.count += 1
-        self.total += duration
-        self.squares += duration * duration
-        if duration > self.largest:
-            self.largest = duration
+        self.added = 0
+        self.reset()
 
     def reset(self) -> None:
         """Forget all durations; only the thread that adds may call this."""
@@ -48,6 +35,42 @@ class Durations:
         self.largest = 0.0
         self.total = 0.0
         self.squares = 0.0
+
+    def add(self, duration: float) -> None:
+        """Add a duration [s]."""
+        place = self.place
+        self.values[place] = duration
+        self.place = 0 if place + 1 == self.capacity else place + 1
+        self.added += 1
+        self.count += 1
+        self.total += duration
+        self.squares += duration * duration
+        if duration > self.largest:
+            self.largest = duration
+
+    def percentiles(self) -> Percentiles:
+        """Return the percentiles of the durations in the ring."""
+        kept = np.array(self.values[: min(self.count, self.capacity)])
+        return percentiles_of(kept, self.largest, self.count)
+
+
+def percentiles_of(
+    durations: NDArray[np.float64], largest: float, count: int
+) -> Percentiles:
+    """Return the percentiles of durations; they are sorted in place.
+
+    Args:
+        durations: Those that are kept [s], shape (n,), n may be 0.
+        largest: The largest one ever [s].
+        count: How many there were.
+    """
+    if durations.size == 0:
+        return Percentiles(0.0, 0.0, 0.0, 0.0, 0)
+    # Not by np.percentile: its first call imports for 50 ms, beside the cycles.
+    durations.sort()
+    places = np.multiply((0.5, 0.99, 0.999), durations.size - 1)
+    p50, p99, p999 = np.interp(places, np.arange(durations.size), durations).tolist()
+    return Percentiles(p50, p99, p999, largest, count)
 
 
 class CycleTimes:
@@ -68,13 +91,17 @@ class CycleTimes:
     def __init__(self, capacity: int = 16384) -> None:
         self.rows = zeros(4 * capacity)
         self.size = 4 * capacity
+        self.last = 0.0
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all cycles; only the thread that adds may call this."""
         self.at = 0
         self.count = 0
         self.longest_read = 0.0
         self.longest_update = 0.0
         self.longest_write = 0.0
         self.longest_total = 0.0
-        self.last = 0.0
 
     def add(self, begun: float, read: float, updated: float, written: float) -> None:
         """Add a cycle.
@@ -86,12 +113,10 @@ class CycleTimes:
             written: When the commands had been written [s].
         """
         rows, at = self.rows, self.at
-        total, write, update, read = (
-            written - begun,
-            written - updated,
-            updated - read,
-            read - begun,
-        )
+        total = written - begun
+        write = written - updated
+        update = updated - read
+        read = read - begun
         rows[at] = read
         rows[at + 1] = update
         rows[at + 2] = write
@@ -108,12 +133,3 @@ class CycleTimes:
         if total > self.longest_total:
             self.longest_total = total
         self.last = written
-
-    def reset(self) -> None:
-        """Forget all cycles; only the thread that adds may call this."""
-        self.at = 0
-        self.count = 0
-        self.longest_read = 0.0
-        self.longest_update = 0.0
-        self.longest_write = 0.0
-        self.longest_total = 0.0

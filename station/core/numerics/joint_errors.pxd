@@ -3,8 +3,6 @@ cdef double _TURN
 cdef double _LIMIT_ROUNDING
 
 cpdef double shortest_angular_distance(double start, double end) noexcept
-cpdef double shortest_angular_distance_with_limits(
-    double start, double end, double lower, double upper) noexcept
 cpdef Py_ssize_t first_excess(double[::1] errors, double[::1] bounds) noexcept
 
 cdef class JointErrors:

@@ -1,4 +1,4 @@
-"""Differences between desired and measured values of joints, the way they can go.
+"""Differences between desired and measured values of joints, within their range.
 
 Source: angles@1.9.13 include/angles/angles.h.
 """
@@ -97,7 +97,7 @@ class JointErrors:
     Args:
         desired: Desired values, shape (n,).
         measured: Measured values, shape (n,).
-        errors: Where the differences are written, shape (n,).
+        errors: Receives the differences, shape (n,).
     """
 
     def __init__(self, desired: Doubles, measured: Doubles, errors: Storage) -> None:

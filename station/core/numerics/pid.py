@@ -21,7 +21,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, isnan
 
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_boolean,
+    declare_number,
+)
 from station.core.errors import InvalidGainError, ParameterError
 from station.core.parameters import Parameters
 from station.memory.doubles import Doubles, Storage, own_zeros, zeros
@@ -35,13 +39,12 @@ NO_RATE = 2
 def _declare(
     name: str, unit: str, description: str, default_text: str = ""
 ) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBER,
-        unit=unit,
-        default=None if default_text or name == "p" else 0.0,
+    return declare_number(
+        name,
+        description,
+        None if default_text or name == "p" else 0.0,
+        unit,
         default_text=default_text,
-        description=description,
     )
 
 
@@ -55,11 +58,10 @@ _CLAMP_MAX = _declare(
 _CLAMP_MIN = _declare(
     "i_clamp_min", "command", "lower bound of the integral part", "-i_clamp"
 )
-_ANTIWINDUP = DeclaredParameter(
-    name="antiwindup",
-    type=ParameterType.BOOLEAN,
+_ANTIWINDUP = declare_boolean(
+    "antiwindup",
+    "bound the integral itself, not only its part of the command",
     default=False,
-    description="bound the integral itself, not only its part of the command",
 )
 PID_PARAMETERS = (_P, _I, _D, _CLAMP, _CLAMP_MAX, _CLAMP_MIN, _ANTIWINDUP)
 """The parameters of a set of gains, in the namespace of the gains."""
@@ -181,7 +183,7 @@ class PidGroup:
     Args:
         errors: Targets minus measured values, shape (n,); the owner writes them.
         rates: Rates of the errors [1/s], shape (n,); written by the owner, or computed.
-        commands: Where the commands are written, shape (n,).
+        commands: Receives the commands, shape (n,).
     """
 
     def __init__(self, errors: Storage, rates: Storage, commands: Storage) -> None:

@@ -2,7 +2,7 @@
 
 A pose has 16 numbers, flat and column-major: T(r, c) = T[4 c + r]. A rotation is the
 upper left 3 x 3 block of a pose. `rigid_motion` has the same over memory that the
-caller owns, for what runs in every cycle.
+caller owns, for functions of every cycle.
 """
 
 from collections.abc import Sequence
@@ -59,7 +59,7 @@ def twist_between(
 
 
 def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> list[float]:
-    """Return a pose, 16 numbers.
+    """Return the pose of a position and a quaternion, 16 numbers.
 
     Args:
         position: Position of the origin [m], shape (3,).

@@ -17,7 +17,7 @@ def compose(first: Storage, second: Doubles, result: Doubles) -> None:
     Args:
         first: T_a_b, 16 numbers.
         second: T_b_c, 16 numbers.
-        result: Where T_a_c goes, 16 numbers.
+        result: Receives T_a_c, 16 numbers.
     """
     a, b, c, e, f, g = first[0], first[1], first[2], first[4], first[5], first[6]
     i, j, k, x, y, z = first[8], first[9], first[10], first[12], first[13], first[14]
@@ -43,7 +43,7 @@ def rotation_between(first: Doubles, second: Doubles, result: Doubles) -> None:
     Args:
         first: Pose before the rotation, 16 numbers.
         second: Pose after the rotation, 16 numbers.
-        result: Where the vector goes, shape (3,) or longer.
+        result: Receives the vector, shape (3,) or longer.
     """
     # R = R_second R_first^T, element by element.
     a0, a1, a2 = first[0], first[1], first[2]
@@ -88,7 +88,7 @@ def twist_between(
         first: Pose before the motion, 16 numbers.
         second: Pose after the motion, 16 numbers.
         period: Time between the poses [s], > 0.
-        result: Where the twist goes, shape (6,) or longer; not one of the poses.
+        result: Receives the twist, shape (6,) or longer; not one of the poses.
     """
     rotation_between(first, second, result)
     result[3] = result[0] / period
@@ -109,7 +109,7 @@ def displace(pose: Doubles, way: Doubles, share: float, result: Doubles) -> None
         pose: The pose, 16 numbers.
         way: Displacement of the origin [m], then rotation vector [rad], shape (6,).
         share: Factor of both.
-        result: Where the moved pose goes, 16 numbers.
+        result: Receives the moved pose, 16 numbers.
     """
     kx, ky, kz = share * way[3], share * way[4], share * way[5]
     ax, ay, az, bx, by, bz = pose[0], pose[1], pose[2], pose[4], pose[5], pose[6]
@@ -159,7 +159,7 @@ def numbers_of(pose: Doubles, near: Doubles, result: Doubles) -> None:
         pose: The pose, 16 numbers.
         near: Of the two quaternions of the rotation, the one nearer to this one is
             written, so that numbers of a motion do not jump; shape (4,).
-        result: Where the numbers go, shape (7,).
+        result: Receives the numbers, shape (7,).
     """
     quaternion_of(pose, result)
     x, y, z, w = result[0], result[1], result[2], result[3]
@@ -174,7 +174,7 @@ def quaternion_of(pose: Doubles, result: Doubles) -> None:
 
     Args:
         pose: The pose, 16 numbers.
-        result: Where the quaternion goes, shape (4,) or longer.
+        result: Receives the quaternion, shape (4,) or longer.
     """
     xx, yy, zz = pose[0], pose[5], pose[10]
     xy, xz, yz = pose[1] + pose[4], pose[2] + pose[8], pose[6] + pose[9]

@@ -55,8 +55,8 @@ class Goal:
         result: How the goal ended; None until then.
         cancel_requested: Whether the goal was asked to end.
         cancel_reason: Why it was asked to end, in one sentence.
-        receipt: Where the cycle is noted that takes the goal up; None for nowhere.
-        ended: Where the cycle is noted that ends the goal because it was asked to end;
+        receipt: Notes the cycle that takes the goal; None for nowhere.
+        ended: Notes the cycle that ends the goal on request;
             None for nowhere.
         feedback: Returns the action's feedback message (JSON-compatible values), which
             is empty unless the controller replaces this function. Any thread.
@@ -91,7 +91,7 @@ class Goal:
         """Ask the controller to end the goal in its next cycle. Callable in any thread.
 
         Args:
-            reason: Why, in one sentence; None when somebody cancels it.
+            reason: The reason, in one sentence; None when a client cancels it.
 
         Returns:
             Whether the goal had not ended yet.
@@ -146,7 +146,7 @@ class GoalPort(ABC):
 
         Args:
             request: The goal message of the action as JSON-compatible values.
-            receipt: Where the cycle is noted that takes the goal up.
+            receipt: Notes the cycle that takes the goal.
 
         Returns:
             The accepted goal; the controller takes it up in its next cycle.
@@ -211,7 +211,7 @@ class GoalPort(ABC):
 
         Args:
             request: The goal message.
-            receipt: Where the cycle is noted that takes the goal up.
+            receipt: Notes the cycle that takes the goal.
 
         Raises:
             ControllerStateError: The controller is not running.

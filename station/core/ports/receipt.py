@@ -29,8 +29,8 @@ class Receipt:
         done: Released once `cycle` is there.
         ended: The cycle in which a set-point expired; None while it has not.
         planned_at: Station time of the cycle whose state a trajectory was planned from
-            [s]; None for what needs no plan.
-        held: Where a command waits that a re-run hands over later; None hands it over
+            [s]; None for commands without a plan.
+        held: List of commands that a re-run hands over later; None hands them over
             at once.
     """
 

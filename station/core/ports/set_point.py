@@ -7,7 +7,11 @@ from enum import Enum
 from math import inf
 
 from station.core.clock import Clock, SystemClock
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_number,
+    declare_string,
+)
 from station.core.errors import (
     CommandTimeoutError,
     InvalidCommandError,
@@ -176,7 +180,7 @@ class SetPointPort:
                 timeout.
             generation: The generation in which the sender decided on the set-point,
                 which is dropped if the generation is over. None takes the present one.
-            receipt: Where the cycle is noted that picks the set-point up.
+            receipt: Notes the cycle that takes the set-point.
         """
         limit = self.timeout if timeout is None else timeout
         deadline = self.clock.now() + limit if limit > 0.0 else inf
@@ -188,8 +192,8 @@ class SetPointPort:
     def expire(self) -> None:
         """Let the set-point in force expire now, and drop the one in the slot.
 
-        What was not picked up yet never is. Without a set-point in force, nothing else
-        happens.
+        A set-point that was not picked up is dropped. Without one in force, nothing
+        else happens.
         """
         self._newest = None
         self._slot.append((None, -inf, self.generation, None))
@@ -238,7 +242,7 @@ class SetPointPort:
         return True
 
     def take_news(self) -> tuple[bool, list[float] | None, bool]:
-        """Take what has changed, for a port that follows this one. In an update only.
+        """Take the changes, for a port that follows this one. In an update only.
 
         Returns:
             Whether set-points became void, the set-point that was picked up or None,
@@ -247,7 +251,7 @@ class SetPointPort:
         return self.take_void(), self.take(), self.take_expiry()
 
     def follow_news(self, news: tuple[bool, list[float] | None, bool]) -> None:
-        """Take what has changed of the port that this one follows."""
+        """Take the changes of the port that this one follows."""
         was_void, values, has_expired = news
         if was_void:
             self.clear()
@@ -313,27 +317,24 @@ def timeout_parameters(
         "(nothing)"
     )
     return (
-        DeclaredParameter(
-            name="command_timeout",
-            type=ParameterType.NUMBER,
-            unit="s",
-            default=default,
+        declare_number(
+            "command_timeout",
+            "time on the wall clock after which a set-point expires" + never,
+            default,
+            "s",
             minimum=0.0,
             excludes_minimum=always,
             maximum=longest,
-            description="time on the wall clock after which a set-point expires"
-            + never,
         ),
-        DeclaredParameter(
-            name="command_timeout_action",
-            type=ParameterType.STRING,
-            default=TimeoutAction.HOLD.value,
+        declare_string(
+            "command_timeout_action",
+            follows,
+            TimeoutAction.HOLD.value,
             choices=tuple(
                 each.value
                 for each in TimeoutAction
                 if not (always and each is TimeoutAction.OFF)
             ),
-            description=follows,
         ),
     )
 
@@ -364,7 +365,7 @@ class ActiveSetPoint:
     Args:
         port: Receives the set-points.
         action: Reaction when the newest set-point expires.
-        subject: Name of what is commanded, for messages.
+        subject: Name of the commanded thing, for messages.
         rest: Returns the set-point at which the robot rests, shape (n,).
 
     Attributes:

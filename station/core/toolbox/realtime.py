@@ -22,7 +22,7 @@ class RealtimeBox(Generic[T]):
 
     Source:
         realtime_tools@noetic-devel realtime_box.h; differs: a reference is swapped, so
-        that nobody locks and nobody waits.
+        that no thread locks and no thread waits.
     """
 
     def __init__(self, initial: T) -> None:

@@ -1,4 +1,4 @@
-"""Find what a controller reads by its name in ROS 2, e.g. `joint1/position`.
+"""Find the states that a controller reads by names of ROS 2, e.g. `joint1/position`.
 
 Source: ros2_control@6.x hardware_interface/doc/hardware_interface_types_userdoc.rst.
 """

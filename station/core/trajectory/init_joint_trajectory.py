@@ -68,7 +68,7 @@ class JointTrajectory:
         return now if stamp == 0 else stamp
 
     def is_due_at_once(self) -> bool:
-        """Return whether it is a single point at its start, which is now."""
+        """Return whether the trajectory is a single point that is due now."""
         return self.stamp == 0.0 and self.points[-1].time_from_start == 0.0
 
     def first_not_later(self) -> int | None:

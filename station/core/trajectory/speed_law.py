@@ -27,7 +27,7 @@ class SpeedBounds:
         """Return the largest speed to which a ramp of a length leads, or the bound.
 
         Args:
-            speed: Where the ramp begins, >= 0; a ramp down to it has the same length.
+            speed: Speed at the beginning, >= 0; a ramp down to it has the same length.
             length: Its length, >= 0.
         """
         return _largest(speed, self.speed, lambda v: self.way(speed, v) <= length)
@@ -70,7 +70,7 @@ class SpeedLaw:
 
         Args:
             begin: Speed at the beginning.
-            end: Speed at the end, which a ramp of that length reaches.
+            end: Speed at the end; a ramp of that length must be able to reach it.
             length: Length of the path, > 0.
             bounds: Its bounds.
         """

@@ -21,7 +21,7 @@ def sample_splines(splines: Storage, time: float, states: Doubles) -> bool:
     Args:
         splines: The splines one after the other, shape (8 n,).
         time: The time [s].
-        states: Where n positions, then n velocities, then n accelerations are written,
+        states: Receives n positions, then n velocities, then n accelerations,
             shape (3 n,).
 
     Returns:

@@ -17,7 +17,7 @@ def through_waypoints(
 ) -> list[PosVelAccState]:
     """Return the states at the waypoints, at rest at the start and at the last one.
 
-    Between two states a quintic polynomial leads. A joint that goes on in the same
+    A quintic polynomial joins two states. A joint that continues in the same
     direction passes a waypoint with the harmonic mean of the mean speeds before and
     after it; one that turns round or waits there is at rest. So it never goes beyond
     its waypoints.

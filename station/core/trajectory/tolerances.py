@@ -8,41 +8,33 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
-from station.core.declared_parameter import EACH_JOINT, DeclaredParameter, ParameterType
+from station.core.declared_parameter import EACH_JOINT, declare_number
 from station.core.numerics.joint_errors import first_excess
 from station.core.parameters import Parameters
 from station.memory.doubles import Doubles, doubles
 
-_GOAL_TIME = DeclaredParameter(
-    name="goal_time",
-    type=ParameterType.NUMBER,
-    unit="s",
-    default=0.0,
-    description="time after the end of a trajectory within which the joints must "
-    "arrive",
+_GOAL_TIME = declare_number(
+    "goal_time",
+    "time after the end of a trajectory within which the joints must arrive",
+    0.0,
+    "s",
 )
-_PATH = DeclaredParameter(
-    name=f"{EACH_JOINT}/trajectory",
-    type=ParameterType.NUMBER,
-    unit="rad",
-    default=0.0,
-    description="largest error during the motion; 0: no bound",
+_PATH = declare_number(
+    f"{EACH_JOINT}/trajectory",
+    "largest error during the motion; 0: no bound",
+    0.0,
+    "rad",
 )
-_GOAL = DeclaredParameter(
-    name=f"{EACH_JOINT}/goal",
-    type=ParameterType.NUMBER,
-    unit="rad",
-    default=0.0,
-    description="largest error at the end; 0: no bound",
+_GOAL = declare_number(
+    f"{EACH_JOINT}/goal", "largest error at the end; 0: no bound", 0.0, "rad"
 )
 STOPPED_VELOCITY_TOLERANCE = 0.01
 """Default speed below which a joint counts as stopped [rad/s or m/s]."""
-_STOPPED = DeclaredParameter(
-    name="stopped_velocity_tolerance",
-    type=ParameterType.NUMBER,
-    unit="rad/s",
-    default=STOPPED_VELOCITY_TOLERANCE,
-    description="largest velocity at the end that counts as standing still",
+_STOPPED = declare_number(
+    "stopped_velocity_tolerance",
+    "largest velocity at the end that counts as standing still",
+    STOPPED_VELOCITY_TOLERANCE,
+    "rad/s",
 )
 TOLERANCE_PARAMETERS = (_GOAL_TIME, _STOPPED, _PATH, _GOAL)
 """The parameters of the default bounds, in the namespace `constraints`."""

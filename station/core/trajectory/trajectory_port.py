@@ -21,7 +21,7 @@ class TrajectoryPort(ABC):
 
         Args:
             request: The message as JSON-compatible values.
-            receipt: Where the cycle is noted that takes the trajectory up.
+            receipt: Notes the cycle that takes the trajectory.
 
         Raises:
             StationError: The trajectory cannot be followed; nothing changed.
@@ -32,7 +32,7 @@ class TrajectoryPort(ABC):
         """End the motion in the next cycle and hold the joints.
 
         Args:
-            receipt: Where that cycle is noted.
+            receipt: Notes the cycle that takes the request.
         """
 
     @abstractmethod

@@ -486,7 +486,7 @@ def state_interface(
     Args:
         arm: The arm.
         arm_id: Prefix of its names.
-        model: The arm's model, which may have what the state needs.
+        model: The arm's model, from which the state is completed.
     """
     states = FrankaStateInterface()
     name = f"{arm_id}_robot"
@@ -566,7 +566,7 @@ def check_free(
         arm_id: Name of the arm.
         is_connected: Whether the arm is connected.
         has_guest: Whether a client of the Franka Control Interface moves the arm.
-        blindness: Which reading is not finite; None when all are.
+        blindness: Name of a reading that is not finite; None when all are finite.
 
     Raises:
         SwitchRefusedError: The arm is not free.

@@ -80,7 +80,7 @@ class FrankaParameters:
         robot_description: `example-robot-data:<robot>` or the path of a URDF.
         joint_limit_warning_threshold: Distance to a position limit below which there is
             a warning [rad], >= 0.
-        initial_positions: Where the simulated arm starts [rad], shape (7,).
+        initial_positions: First positions of the simulated arm [rad], shape (7,).
         base: The base's pose in the world.
         limits: Limits of this kind of arm.
         gravity: Acceleration of gravity in the axes of the world [m/s^2].
@@ -88,7 +88,7 @@ class FrankaParameters:
             late (`realtime_config`): 20, which stops it, if `enforce`; 19 if `ignore`.
         collision_behavior: Thresholds at the start (`collision_config`).
         limit_mode: How joint commands are limited.
-        thresholds: Those that Franka does not publish (`supervisor`).
+        thresholds: Thresholds that Franka does not publish (`supervisor`).
         service_limits: The largest loads and pushes (`service_limits`).
         is_realistic: Whether a simulated arm has friction, noise and an observer
             (`realism: typical`), or none of them (`ideal`).
@@ -97,7 +97,7 @@ class FrankaParameters:
             by joint; a simulated arm has them in place of the typical ones.
         publishes_fingers: Whether the joint states have the fingers of a simulated hand
             as franka_gripper publishes them (`fingers_in_joint_states`).
-        robot_ip: Where the real arm is; None for a simulated one.
+        robot_ip: Address of the real arm; None for a simulated one.
     """
 
     arm: str

@@ -144,7 +144,7 @@ class MockWorld(SimulatedWorld):
 
     Args:
         names: Names of the joints.
-        joints: The joints; a reset puts them back to where they are now.
+        joints: The joints; a reset restores their present positions.
     """
 
     def __init__(self, names: Sequence[str], joints: MockJoints) -> None:

@@ -13,10 +13,12 @@ from math import cos, sin
 from typing import TYPE_CHECKING, Literal
 
 import mujoco
+from typing_extensions import override
 
 from station.core.description.urdf import JointType, Pose, Urdf, multiply, wheel_radius
 from station.core.errors import RobotDescriptionError
 from station.core.hardware.robot_report import MovingBaseReport
+from station.hw.mujoco.world_step import Preparation
 
 if TYPE_CHECKING:
     from station.hw.mujoco.world import World
@@ -88,7 +90,7 @@ def moving_bases(model: mujoco.MjModel, data: mujoco.MjData) -> list[MovingBaseR
     return found
 
 
-class RollingBase:
+class RollingBase(Preparation):
     """Lets a planar base follow its wheels. Acts in the world before every step.
 
     Args:
@@ -124,6 +126,7 @@ class RollingBase:
         self._servos = [int(model.actuator(name).id) for name in PLANAR_JOINTS]
         self._qvel, self._qpos, self._control = data.qvel, data.qpos, data.ctrl
 
+    @override
     def prepare_step(self) -> None:
         """Write the base's velocity."""
         qvel = self._qvel

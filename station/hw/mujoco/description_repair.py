@@ -54,7 +54,7 @@ def repair_robot(
     base: BaseType = "fixed",
     find_effort: Callable[[str], float | None] = lambda joint: None,  # noqa: ARG005 - no joint has another
 ) -> RepairedRobot:
-    """Return the robot as it can be simulated.
+    """Return the robot with the repairs that its simulation needs.
 
     Args:
         files: The robot's files.

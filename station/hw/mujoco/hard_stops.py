@@ -19,9 +19,10 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from station.hw.mujoco.world_joints import find_joint
-from station.hw.mujoco.world_step import CalledPreparation
+from station.hw.mujoco.world_step import Preparation
 
 if TYPE_CHECKING:
     from station.hw.mujoco.world import World
@@ -32,7 +33,7 @@ _MOST_SWEEPS = 20
 _LEAST_INERTIA = 1e-3
 
 
-class HardStops:
+class HardStops(Preparation):
     """The stops of fast rotating joints. Acts in the world before every step.
 
     Args:
@@ -54,6 +55,7 @@ class HardStops:
         self._has_strong = bool(self._is_strong.any())
         self._row, self._response = np.zeros((1, model.nv)), np.zeros((1, model.nv))
 
+    @override
     def prepare_step(self) -> None:
         """Slow down the joints that would pass an end of their range."""
         low, high, velocity = self._bounds()
@@ -116,8 +118,7 @@ def add_hard_stops(world: "World", limits: Mapping[str, float]) -> None:
     model = world.model
     fast = [name for name, v in limits.items() if needs_hard_stop(model, name, v)]
     if fast:
-        stops = HardStops(model, world.data, fast)
-        world.add_preparation(CalledPreparation(stops.prepare_step))
+        world.add_preparation(HardStops(model, world.data, fast))
 
 
 def needs_hard_stop(model: mujoco.MjModel, name: str, velocity: float) -> bool:

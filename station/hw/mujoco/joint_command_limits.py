@@ -55,7 +55,7 @@ class JointCommandLimits:
 
     Raises:
         ParameterError: An entry of `joint_limits` in the robot's own parameters limits
-            nothing. Those at the root may be of files written for ROS: the log tells.
+            nothing. Those at the root may be of files written for ROS: they are logged.
 
     Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, registerJointLimits;
     differs: one handle per kind of command, of which those in use act.

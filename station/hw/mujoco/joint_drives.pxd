@@ -8,8 +8,7 @@ cpdef double approach_velocity(double error, double braking) noexcept
 
 cdef class JointDrives(Preparation):
     cdef object _joints
-    cdef readonly object velocity_limits, modes, position_target, velocity_target
-    cdef readonly object effort_target
+    cdef readonly object velocity_limits, modes, targets
     cdef double[::1] qpos, qvel, bias, weight, inertia, control, damping
     cdef long long[::1] place_qpos, place_dof, place_inertia
     cdef long long[::1] place_control, place_damping

@@ -35,11 +35,10 @@ if TYPE_CHECKING:
 
 VELOCITY_GAIN = 1000.0
 """Rate at which a drive without limits would follow a velocity [1/s]."""
+_QUANTITIES = ("position", "velocity", "effort")
 _PARTS = (
+    *_QUANTITIES,
     "mode",
-    "position_target",
-    "velocity_target",
-    "effort_target",
     "velocity_limit",
     "effort_limit",
     "lower_limit",
@@ -98,9 +97,8 @@ class JointDrives(Preparation):
         velocity_limits: Highest desired speed [rad/s or m/s], shape (n,), infinite at
             first; to be changed in place.
         modes: Numbers of `DriveMode`, shape (n,); in place.
-        position_target: Positions [rad or m], shape (n,); in place.
-        velocity_target: Velocities [rad/s or m/s], shape (n,); in place.
-        effort_target: Efforts [Nm or N], shape (n,); in place.
+        targets: Positions [rad or m], velocities [rad/s or m/s] and efforts [Nm or N]
+            by quantity, shape (n,) each; in place.
     """
 
     def __init__(self, joints: "WorldJoints", timestep: float) -> None:
@@ -110,18 +108,16 @@ class JointDrives(Preparation):
         put(block["effort_limit"], joints.effort_limits)
         put(block["lower_limit"], joints.lower_limits)
         put(block["upper_limit"], joints.upper_limits)
-        put(block["position_target"], joints.read_positions())
+        put(block["position"], joints.read_positions())
         self._joints = joints
         # Views for Python, which reads them faster than it does those of Cython below.
         self.velocity_limits = block["velocity_limit"]
         self.modes = block["mode"]
-        self.position_target = block["position_target"]
-        self.velocity_target = block["velocity_target"]
-        self.effort_target = block["effort_target"]
+        self.targets = {quantity: block[quantity] for quantity in _QUANTITIES}
         self.mode = block["mode"]
-        self.position = block["position_target"]
-        self.velocity = block["velocity_target"]
-        self.effort = block["effort_target"]
+        self.position = block["position"]
+        self.velocity = block["velocity"]
+        self.effort = block["effort"]
         self.velocity_limit = block["velocity_limit"]
         self.effort_limit = block["effort_limit"]
         self.lower_limit = block["lower_limit"]
@@ -202,7 +198,7 @@ class JointDrives(Preparation):
     def after_reset(self) -> None:
         """Hold the pose to which the world was reset."""
         zeros = [0.0] * self.size
-        put(self.position_target, self._joints.read_positions())
-        put(self.velocity_target, zeros)
-        put(self.effort_target, zeros)
+        put(self.position, self._joints.read_positions())
+        put(self.velocity, zeros)
+        put(self.effort, zeros)
         put(self.desired, zeros)

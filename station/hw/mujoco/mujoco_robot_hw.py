@@ -69,7 +69,6 @@ from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import UnpoweredJoints
-from station.hw.mujoco.world_step import CalledPreparation
 from station.hw.simulated_gpios import SimulatedGpios
 from station.hw.urdf_loader import load_urdf
 from station.memory.doubles import put
@@ -161,8 +160,7 @@ class MujocoRobotHW(RobotHW):
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         if parameters.base_type == "planar":
-            base = RollingBase(self.world, urdf)
-            self.world.add_preparation(CalledPreparation(base.prepare_step))
+            self.world.add_preparation(RollingBase(self.world, urdf))
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})
@@ -356,13 +354,8 @@ class MujocoRobotHW(RobotHW):
         self._world_joints = self.world.joints(self._names)
         self._drives = JointDrives(self._world_joints, self.world.timestep)
         self.world.add_actor(self._drives, self._drives)
-        targets = {
-            "position": self._drives.position_target,
-            "velocity": self._drives.velocity_target,
-            "effort": self._drives.effort_target,
-        }
         actuators = [actuator.name for info in infos for actuator in info.actuators]
-        self._motors = SimulatedMotors(actuators, self._names, targets)
+        self._motors = SimulatedMotors(actuators, self._names, self._drives.targets)
         self._motors.register(self)
         self.transmission_maps = RobotTransmissions()
         loader = TransmissionInterfaceLoader(
@@ -467,7 +460,7 @@ class MujocoRobotHW(RobotHW):
 
 
 def _read_tags(parameters: MujocoRobotParameters) -> TaggedRobot:
-    """Return the robot with what the `<ros2_control>` elements of its URDF say."""
+    """Return the robot with the settings of its URDF's `<ros2_control>` elements."""
     files = load_robot_files(parameters.robot_description)
     if not parameters.uses_ros2_control:
         return TaggedRobot(files, (), {}, {}, {}, parameters.sensors, (), ())

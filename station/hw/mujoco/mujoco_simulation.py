@@ -209,7 +209,7 @@ class _Simulation:
         return SimulatedRobot(world, self._base, tuple(self._repairs))
 
     def _choose_integrator(self, world: World) -> None:
-        """Integrate a robot by RK4 if it is asked for, or if it has no motors.
+        """Integrate a robot by RK4 on request, or if it has no motors.
 
         The error of one Euler step in the coupling of joints is of first order: a
         double pendulum loses 12 % of its energy in 5 s. Motors need the implicit

@@ -22,7 +22,7 @@ class Push:
         torque: Torque [Nm], shape (3,).
         frame: Frame in whose axes force and torque are given: the world, or a body,
             with which force and torque then turn.
-        point: Where the force acts, in the pushed body's frame [m], shape (3,); None
+        point: Point of application, in the body's frame [m], shape (3,); None
             for its centre of mass.
     """
 

@@ -52,7 +52,7 @@ class RobotGuard(LinkGuard):
         urdf: The robot.
         driven: Joints with a motor, as the control loop sees them.
         joints: Their state and commands, in the same order.
-        modes: Which of them controllers command, and how.
+        modes: Joints that controllers command, and the kind of command.
         limits: Limits of these joints.
 
     Attributes:
@@ -122,7 +122,7 @@ class RobotGuard(LinkGuard):
         return super().prepare(objects, None)
 
     def refuse_efforts(self, joints: Sequence[str]) -> None:
-        """Refuse that joints are commanded by efforts, which nobody can slow.
+        """Refuse that joints are commanded by efforts, which the guard cannot slow.
 
         Args:
             joints: Names of the joints.
@@ -370,7 +370,7 @@ def _pose(place: _Matrix, axes: _Matrix) -> _Matrix:
 
 
 def _turned_to(axis: _Matrix) -> _Matrix:
-    """Return axes of which z is the one that is given."""
+    """Return axes with the given z axis."""
     across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     across /= np.linalg.norm(across)
     return np.column_stack([across, np.cross(axis, across), axis])

@@ -1,7 +1,7 @@
 """Use the `<ros2_control>` elements of a URDF for the simulated robot.
 
 The plug-ins of simulators and mocks are the simulated robot itself; a driver of real
-hardware is simulated, and a repair names it. What the elements list is what controllers
+hardware is simulated, and a repair names it. The elements list all that controllers
 may command: joints that they do not name hold their positions.
 
 Source: mujoco_ros2_control docs/hardware_interface.rst; gz_ros2_control doc/index.rst;
@@ -139,7 +139,7 @@ def read_tagged_robot(
 
 
 class _TagReader:
-    """Collects what the elements say, and brings mimic rules into the URDF."""
+    """Collects the settings of the elements, and brings mimic rules into the URDF."""
 
     def __init__(self, robot: ET.Element, configured: set[str]) -> None:
         self._robot = robot

@@ -8,7 +8,7 @@ from station.memory.doubles import Doubles, given_or_zeros
 class SimulatorMemory:
     """A simulator's state of n joints side by side, each of shape (n,).
 
-    Without arguments the memory is the object's own: for tests of what uses it.
+    Without arguments the memory is the object's own: for tests of its users.
 
     Args:
         size: Number of joints.
@@ -21,11 +21,11 @@ class SimulatorMemory:
         constraint_forces: Torques of contacts and mechanical stops [Nm].
         inertia: Elements of the joint-space inertia matrix, any number [kg m^2].
         diagonal: Index in `inertia` of each joint's diagonal element.
-        controls: Where the motors' controls are written [Nm].
+        controls: Receives the controls of the motors [Nm].
         limits: Largest torques of the motors [Nm].
         passive_damping: Passive damping of the joints [Nm s/rad].
         armature: Rotor inertia as seen at the joints [kg m^2].
-        applied: Where other torques on the joints are written, e.g. friction [Nm].
+        applied: Receives other torques on the joints, e.g. friction [Nm].
     """
 
     def __init__(

@@ -42,7 +42,7 @@ def make_stepper(model: mujoco.MjModel, data: mujoco.MjData) -> Stepper:
 
     Args:
         model: The model.
-        data: Data of the model. Both must outlive what is returned.
+        data: Data of the model. Both must outlive the returned function.
     """
     binding = partial(mujoco.mj_step, model, data)
     function = _find_function("mj_step")

@@ -83,7 +83,6 @@ class WorldJoints:
         limited = model.actuator_forcelimited[motors]
         highest = model.actuator_forcerange[motors, 1]
         self.effort_limits: list[float] = np.where(limited, highest, np.inf).tolist()
-        self._set_controls = _writer(data.ctrl, motors)
         self.memory = _memory(model, data)
         self.places = _places(model, positions, dofs, motors)
         self.read_inertia = _reader(data.M, self.places["inertia"].tolist())
@@ -134,10 +133,6 @@ class WorldJoints:
             armature=doubles(self.armature),
             applied=_view(data.qfrc_applied, dofs),
         )
-
-    def set_controls(self, controls: list[float]) -> None:
-        """Set the motors' controls [Nm or N], shape (n,), for the next steps."""
-        self._set_controls(controls)
 
     def read_external_forces(self) -> list[float]:
         """Return the joint forces of contacts and pushes in the last step [Nm or N].
@@ -332,16 +327,3 @@ def _reader(
         return array[row].tolist  # a view: 0.1 us instead of 1 us a read
     selector = np.array(indices, dtype=np.intp)
     return lambda: array.take(selector).tolist()
-
-
-def _writer(
-    array: NDArray[np.float64], indices: list[int]
-) -> Callable[[list[float]], None]:
-    row = _as_slice(indices)
-    view = array if row is None else array[row]
-    selector = indices if row is None else slice(None)
-
-    def write(values: list[float]) -> None:
-        view[selector] = values
-
-    return write

@@ -9,9 +9,6 @@ cdef inline void call_with_two(size_t function, size_t first, size_t second) noe
 cdef class Preparation:
     cpdef prepare_step(self)
 
-cdef class CalledPreparation(Preparation):
-    cdef object function
-
 cdef class SpeedCheck:
     cdef double[::1] velocities, shares
     cdef readonly Py_ssize_t size

@@ -22,21 +22,6 @@ class Preparation:
         raise NotImplementedError
 
 
-class CalledPreparation(Preparation):
-    """A preparation that is a Python function.
-
-    Args:
-        function: Prepares the coming step.
-    """
-
-    def __init__(self, function: Callable[[], object]) -> None:
-        self.function = function
-
-    def prepare_step(self) -> None:
-        """Call the function."""
-        self.function()
-
-
 class SpeedCheck:
     """Compares velocities with their limits.
 

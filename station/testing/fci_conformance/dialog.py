@@ -50,7 +50,7 @@ _DEVIATIONS = (10.0, 3.12, 6.283)
 
 
 class FciSilenceError(Exception):
-    """The endpoint did not send what a client waits for."""
+    """The endpoint did not send the message that a client waits for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +95,7 @@ class Outcome:
         first: The first state that showed the motion; None without one.
         last: The newest state before the end, and after it.
         errors: Names of the errors that ended the motion.
-        lowest_rate: Lowest success rate that a state told from the 100th cycle on.
+        lowest_rate: Lowest success rate of the states from the 100th cycle on.
     """
 
     started: int
@@ -112,7 +112,7 @@ class Outcome:
 
     @property
     def is_clean(self) -> bool:
-        """Return whether it has done so, and the states report no error."""
+        """Return whether the motion succeeded, and the states report no error."""
         return self.is_success and not self.errors
 
     @override
@@ -140,7 +140,7 @@ def words(kind: type[IntEnum], status: int) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """The address of a robot, and what may be done there.
+    """The address of a robot, and the allowed checks.
 
     Attributes:
         host: Name or address.
@@ -158,7 +158,7 @@ class Endpoint:
         """Return a client that has connected and has seen a state.
 
         Raises:
-            OSError: Nobody listens there, or no answer comes; a `FciNetworkError`.
+            OSError: The port is closed, or no answer comes; a `FciNetworkError`.
             FciSilenceError: No state comes.
         """
         dialog = Dialog(open_network(self.host, self.port), self.protocol)
@@ -175,7 +175,7 @@ def open_network(host: str, port: int) -> FciNetwork:
     """Return the sockets to an endpoint that may not yet listen again.
 
     Raises:
-        FciNetworkError: Nobody listens there for 2 s.
+        FciNetworkError: The port stays closed for 2 s.
     """
     deadline = time.monotonic() + _REFUSED_FOR
     while True:
@@ -321,7 +321,7 @@ class Dialog:
         """Return the newest state: wait for one that is not older than this call.
 
         Raises:
-            FciSilenceError: None comes.
+            FciSilenceError: No state comes.
         """
         self._drain()
         return self.next_state()

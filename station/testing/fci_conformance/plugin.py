@@ -52,16 +52,16 @@ class Row:
     seen: str = ""
 
     def expect(self, expected: str) -> None:
-        """Note what should happen; nothing has been seen yet."""
+        """Note the expected event, before it happens."""
         self.expected = expected
 
     def see(self, seen: object) -> None:
-        """Note what has happened."""
+        """Note the observed event."""
         self.seen = str(seen)
 
 
 def needs(is_there: bool) -> None:  # noqa: FBT001 - a condition
-    """Leave the check out if the version that is spoken has nothing of the kind."""
+    """Skip the check if the spoken version of the protocol lacks the feature."""
     if not is_there:
         pytest.skip(NOT_IN_VERSION)
 
@@ -160,7 +160,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
 
     Raises:
         AssertionError: The check does not hold.
-        FciSilenceError: The endpoint has not sent what a client waits for.
+        FciSilenceError: The endpoint has not sent the message that a client waits for.
     """
     row = pyfuncitem.stash.get(_row_key, None)
     if row is None:

@@ -54,12 +54,12 @@ REST = 30
 
 
 def turn(cycle: int) -> float:
-    """Return the way of joint 7 there and back [rad]."""
+    """Return the motion of joint 7 there and back [rad]."""
     return 0.08 * there_and_back(cycle / TIME)
 
 
 def rise(cycle: int) -> float:
-    """Return the way of the end effector up and down [m]."""
+    """Return the motion of the end effector up and down [m]."""
     return 0.02 * there_and_back(cycle / TIME)
 
 

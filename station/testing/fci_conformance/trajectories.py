@@ -46,7 +46,7 @@ Ways: TypeAlias = Callable[[int], Sequence[float]]
 
 
 def smooth(part: float) -> float:
-    """Return the part of a way that is done, from rest to rest with bounded jerk.
+    """Return the done share of a motion from rest to rest with bounded jerk.
 
     Args:
         part: Part of the time, 0 to 1.
@@ -56,12 +56,12 @@ def smooth(part: float) -> float:
 
 
 def there_and_back(part: float) -> float:
-    """Return a way of 1 and back to 0, from rest to rest; see `smooth`."""
+    """Return a motion to 1 and back to 0, from rest to rest; see `smooth`."""
     return smooth(2.0 * part) - smooth(2.0 * part - 1.0)
 
 
 def rate(way: Way) -> Way:
-    """Return the velocity of a way from one cycle to the next, per second."""
+    """Return the velocity of a motion from one cycle to the next, per second."""
     return lambda n: (way(n) - way(n - 1)) / CYCLE if n else 0.0
 
 
@@ -71,7 +71,7 @@ def step(value: float) -> Way:
 
 
 def ramp(acceleration: float, jerk: float, velocity: float) -> Way:
-    """Return a way, after the cycles at rest, whose velocity grows.
+    """Return a path coordinate with growing velocity, after the cycles at rest.
 
     Args:
         acceleration: Largest acceleration, per second squared.
@@ -93,7 +93,7 @@ def ramp(acceleration: float, jerk: float, velocity: float) -> Way:
 
 
 def along(axis: int, way: Way, size: int = 7) -> Ways:
-    """Return a way as that of one joint, or along an axis: vectors of a size."""
+    """Return a motion of one joint, or along an axis, as vectors."""
     return lambda n: [way(n) if i == axis else 0.0 for i in range(size)]
 
 
@@ -113,7 +113,7 @@ def joint_positions(way: Ways) -> Motion:
     """Return a motion of joint positions.
 
     Args:
-        way: Returns the way from the first `q_d` in a cycle [rad], shape (7,).
+        way: Returns the distance from the first `q_d` in a cycle [rad], shape (7,).
     """
     begin = begin_of("q_d")
 

@@ -172,7 +172,7 @@ def _id(cell: dict[str, Any]) -> str:
 class RecordedBehaviour:
     """Holds a controller manager, and the hooks of a robot, to the recorded original.
 
-    Derive a test class; name in it what is to be tried instead of the station's own.
+    Derive a test class; name in it the manager that replaces the station's own.
 
     Attributes:
         robot: Class of the robot; its hooks write the trace that is compared.

@@ -106,17 +106,17 @@ def storm(
 
     The loop runs in its thread, as in a station. The other threads load, unload and
     switch controllers, some of which command references of others, raise, command what
-    is no number, or command what belongs to somebody else; they stop everything,
+    is no number, or command resources of other controllers; they stop everything,
     release the stop, reload, recover the robot, and let its switching hooks refuse and
     fail. An observer looks at every cycle before `write`, and each answer is compared
-    with what the observer saw.
+    with the findings of the observer.
 
     Args:
         hw_factory: Returns the robot, initialised.
         operations: How many operations all threads carry out together.
         threads: How many threads there are.
         seed: Seed of the random operations.
-        faults: Returns what can go wrong in the robot besides its hooks.
+        faults: Returns faults of the robot besides those of its hooks.
         deadline: How long an operation may take [s wall time].
         drift: How far a joint without an owner may move [rad or m].
         period: Period of the loop [s].
@@ -180,7 +180,7 @@ def storm(
 
 
 class _Stopped:
-    """Nobody runs while the stop is latched."""
+    """No controller runs while the stop is latched."""
 
     def __init__(self, station: Station) -> None:
         self._station = station

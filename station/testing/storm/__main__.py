@@ -22,7 +22,7 @@ class StormRobot:
 
     Attributes:
         create: Returns it, initialised.
-        faults: Returns what can go wrong in it.
+        faults: Returns its possible faults.
         drift: How far one of its joints may move without an owner [rad or m].
     """
 

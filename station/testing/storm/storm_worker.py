@@ -3,7 +3,7 @@
 Its operations are random, on its own controllers and on everybody's.
 
 Only this thread loads, starts and unloads its own controllers; everybody may stop them.
-So after each answer it is known what must be true, unless somebody disturbed.
+So after each answer the true state is known, unless another thread disturbed it.
 """
 
 import random
@@ -136,8 +136,8 @@ class Mischief:
     Attributes:
         callback: In which callback, one of `CALLBACKS`.
         command: Number to command; None raises an error instead.
-        intrudes: Command a resource of somebody else.
-        place: Which command of its own, or of all, counted modulo their number.
+        intrudes: Command a resource of another controller.
+        place: Index of a command, its own or any, modulo their number.
     """
 
     callback: str

@@ -1,6 +1,6 @@
 """Forward requests and streams of the dashboard's pages to the station.
 
-A page has the dashboard's cookie and no token. The relay adds what its session has at
+A page has the dashboard's cookie and no token. The relay adds the session's rights at
 the station, so the station sees who acts, by which role and under which lease.
 """
 

@@ -32,7 +32,7 @@ class Recovery:
 
 
 def choose_recovery(view: StationView) -> Recovery:
-    """Return the way to recover the arms of a station, if an arm needs it."""
+    """Return the recovery that the arms of a station need, if any."""
     if view.link != "live" or view.status is None:
         return Recovery(reason=view.blocked())
     arms = view.status.robots

@@ -53,7 +53,7 @@ class StationLink:
     Attributes:
         client: As given.
         now: As given.
-        wants_contacts: Whether somebody looks at the contacts of a simulated world.
+        wants_contacts: Whether a browser shows the contacts of a simulated world.
     """
 
     def __init__(

@@ -100,12 +100,12 @@ _NO_SAMPLES: Mapping[str, wire.ControllerSample] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class StationView:
-    """The newest of everything that has come from the station.
+    """The newest values of the station that the dashboard has received.
 
     Attributes:
         now: Monotonic time at which this view was made [s].
-        heard_at: When the station was heard last, same clock [s]; None: never.
-        failure: Why the last request failed; empty when it did not.
+        heard_at: Time of the station's last message, same clock [s]; None: never.
+        failure: Reason why the last request failed; empty when it did not.
         status: The station at a glance; None before the first answer.
         controllers: All loaded controllers.
         types: Controller types that can be loaded.

@@ -17,7 +17,7 @@ _UNITS = {
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """The start of a controller, as it is possible at present.
+    """The possible start of a controller.
 
     Attributes:
         replaces: Running controllers that must stop before it can start.
@@ -40,7 +40,7 @@ def claims_text(controller: ControllerState) -> str:
 
 
 def offer_for(view: StationView, controller: ControllerState) -> Offer:
-    """Return the way to start a controller."""
+    """Return the possible start of a controller."""
     if view.link != "live":
         return Offer(reason=view.blocked())
     if controller.state == "running":

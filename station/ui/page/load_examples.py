@@ -44,7 +44,7 @@ def example_parameters(
         controller_type: The type, e.g.
             `effort_controllers/JointGroupPositionController`.
         joints: The robot's joints; fingers are left out.
-        arm_id: Whose joints a controller of one Franka arm gets; empty for those of
+        arm_id: Arm whose joints a Franka controller gets; empty for those of
             the first arm.
     """
     family, _, kind = controller_type.rpartition("/")

@@ -106,7 +106,7 @@ def page_state(view: StationView) -> dict[str, object]:
 
 
 def _without_overlap(controllers: Iterable[ControllerState]) -> list[ControllerState]:
-    """Return those that can run beside each other; the first ones are preferred."""
+    """Return controllers that can run together; the first ones are preferred."""
     chosen: list[ControllerState] = []
     taken: set[str] = set()
     for controller in controllers:

@@ -107,7 +107,7 @@ class ShownViews:
     """The views of all sessions, as another thread than Viser's reaches them.
 
     Attributes:
-        views: The views; only what never changes may be read.
+        views: The views; only attributes that never change may be read.
         in_viser: Lets Viser's event loop call something soon.
     """
 

@@ -103,7 +103,7 @@ class MovingFrames:
     """Moves the frames of one robot. To be used from Viser's event loop only.
 
     Args:
-        place: Where the frames are drawn.
+        place: Node of the scene that has the frames.
         frames: The frames.
 
     Attributes:

@@ -37,7 +37,7 @@ class Surface:
         """Draw the surface, translucent.
 
         Args:
-            scene: Where it is drawn.
+            scene: Scene that shows it.
             path: Its scene node.
             colour: Its colour.
             opacity: 0 to 1.

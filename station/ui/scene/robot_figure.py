@@ -21,7 +21,7 @@ class RobotFigure:
     so that every browser can have figures of its own.
 
     Args:
-        place: Where it is drawn.
+        place: Node of the scene that shows the robot.
         robot: The robot.
         root: Name of its scene node.
         colour: Its colour.

@@ -63,7 +63,7 @@ def base_positions(base: MovingBase) -> dict[str, float]:
     """Return the positions of the joints that `carry` adds.
 
     Args:
-        base: Where the root link is.
+        base: Pose of the root link.
 
     Returns:
         By name [m] or [rad]; empty while a reading is not finite. The angles are yaw,

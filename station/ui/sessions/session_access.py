@@ -41,7 +41,7 @@ class SessionAccess:
         lease_changed: Called with the lease that some session of this dashboard holds,
             or None, whenever it becomes another.
         now: Monotonic clock [s].
-        follows: Whether `move_to` tells of every start of the station. If not, a
+        follows: Whether `move_to` is called at every start of the station. If not, a
             station that was started anew is known by its refusals alone.
         ca: File of the certificates to trust with https; None for those of the station
             on this machine, or of the system.
@@ -286,7 +286,7 @@ class SessionPusher:
         Args:
             key: Key of the session that moves it.
             name: The object.
-            position: Where it shall be [m].
+            position: Target position [m].
 
         Raises:
             ApiError: The session has ended or only watches, or the station refuses.

@@ -119,7 +119,7 @@ class SessionRoutes:
         Args:
             method: The HTTP method.
             path: The path.
-            kind: The model of the body; what does not fit it is refused.
+            kind: The model of the body; another body is refused.
             answer: Answers a request with this body.
             operators_only: Whether viewers are refused.
         """

@@ -90,7 +90,7 @@ class Sessions:
         now: Clock [s] that goes on while no dashboard runs.
         limit: Most sessions kept for each role; of the same role the oldest goes first,
             so that no viewer can end an operator's session.
-        store: Where they outlive a dashboard; None: nowhere.
+        store: File in which they outlive a dashboard; None keeps none.
     """
 
     def __init__(

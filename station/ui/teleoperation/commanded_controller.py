@@ -62,7 +62,7 @@ def _why_none(view: StationView) -> str:
 def choose_for_hand(
     view: StationView, names: tuple[str, ...], kind: str, arm: str = ""
 ) -> CommandedController:
-    """Return the running controller that takes these elements, or why there is none.
+    """Return the running controller of these elements, or the reason for none.
 
     Args:
         view: The dashboard's knowledge of the station.

@@ -143,8 +143,8 @@ class HandTeleoperation:
         arm: The arm that carries it; empty where there are not several.
 
     Attributes:
-        jog: The controller that held buttons command, or why there is none.
-        target: The controller that goes to a pose, or why there is none.
+        jog: The controller that held buttons command, or the reason for none.
+        target: The controller that moves to a pose, or the reason for none.
         message: Why the motion waits or slows down; empty when it does not.
         speed: The speed of held buttons, unless the controller allows less.
         desired: The last pose of the set-point, in the order of `POSE`;

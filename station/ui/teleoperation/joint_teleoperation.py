@@ -35,7 +35,7 @@ UNKNOWN_START = (
 
 
 class Movers:
-    """The mover of each joint: of two, the one that asked last. Any thread."""
+    """The mover of each joint; the last request wins. Any thread."""
 
     def __init__(self) -> None:
         self._of: dict[str, object] = {}
@@ -67,7 +67,7 @@ class SetPoint:
 
 @dataclass(slots=True)
 class _Motion:
-    """A joint on its way.
+    """A joint that moves to a value.
 
     Attributes:
         target: The wanted value.
@@ -85,8 +85,8 @@ class _Motion:
 class JointTeleoperation:
     """The joint commands of one person, whichever controllers take them.
 
-    It decides about the joints that it moves and about no other: somebody else may move
-    those meanwhile.
+    It decides about the joints that it moves and about no other: another client may
+    move those meanwhile.
 
     Args:
         movers: Shared by everybody who commands joints.

@@ -145,7 +145,7 @@ class JointSliders:
     """A slider per joint; the sliders follow the robot until a person moves one.
 
     Args:
-        gui: Where the sliders are built.
+        gui: Panel that gets the sliders.
         teleoperation: The commands of this panel.
         reporter: Shows refusals.
         limits: Position limits of the robot's joints, for disabled sliders that only
@@ -153,7 +153,7 @@ class JointSliders:
 
     Attributes:
         teleoperation: The commands of this panel.
-        state: Says whether the sliders command, and why not.
+        state: Text that says whether the sliders command, or why not.
         speed: The highest speed of the joints [rad/s].
         sliders: The sliders by joint.
     """
@@ -254,14 +254,14 @@ class GainSliders:
     """A slider per gain of one joint of one controller.
 
     Args:
-        gui: Where the sliders are built.
+        gui: Panel that gets the sliders.
         link: The station.
         reporter: Shows refusals.
 
     Attributes:
         chosen: The choice of a controller.
         group: The choice of a joint.
-        note: Says what a change does, or why there is nothing to change.
+        note: Text about the effect of a change, or the reason why there is none.
         sliders: The sliders by gain.
     """
 
@@ -388,7 +388,7 @@ class HandArrows:
     """Arrows at an end effector: it follows them when a person drags them.
 
     Args:
-        server: Where the arrows are drawn.
+        server: Viser server that draws the arrows.
         teleoperation: The commands of this panel.
         reporter: Shows what is in the way of a hand.
         base: Scene node of the arm's base frame.

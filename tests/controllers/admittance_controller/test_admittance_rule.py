@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 
 from station.controllers.admittance_controller.admittance_rule import AdmittanceRule
-from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.arm_chain import JointChain
 from station.memory.doubles import doubles, put
 from tests.both_modes import arrays, assert_same, needs_both, sibling
 from tests.core.numerics.test_joint_chain import pose_of
@@ -27,7 +27,7 @@ ALPHA, JOINT_DAMPING, SHARE, PERIOD = 0.01, 5.0, 0.05, 0.001
 
 
 def chain(module=None, end=None):
-    kind = JointChain if module is None else sibling(module, "joint_chain").JointChain
+    kind = JointChain if module is None else sibling(module, "arm_chain").JointChain
     poses = ORIGINS if end is None else [*ORIGINS[:-1], ORIGINS[-1] @ end]
     flat = np.concatenate([pose.T.ravel() for pose in poses]).tolist()
     return kind(SIZE, flat, AXES.ravel().tolist(), [1.0] * 6, range(6))

@@ -18,7 +18,6 @@ from station.core.franka.model_sources import ModelSource
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.franka_kinematics import (
-    body_jacobian,
     frame_pose,
     zero_jacobian,
 )
@@ -26,6 +25,7 @@ from station.hw.franka.arm.self_collision import clearance
 from station.memory.doubles import put, zeros
 from tests.conformance.benches import JOINTS, POSE, panda
 from tests.hw.franka.cartesian_motions import PERIOD, Generator
+from tests.hw.franka.plain_model import PlainModel
 
 PARAMETERS = {"arm_id": "panda", "joint_names": JOINTS}
 
@@ -35,7 +35,7 @@ class Kinematics:
 
     pose = staticmethod(frame_pose)
     zero_jacobian = staticmethod(zero_jacobian)
-    body_jacobian = staticmethod(body_jacobian)
+    body_jacobian = PlainModel().body_jacobian
 
     @staticmethod
     def pose_source(*arguments):

@@ -21,7 +21,7 @@ STEP = 1e-5
 
 
 def configuration(q):
-    result = ArmConfiguration(Kinematics(), RobotState())
+    result = ArmConfiguration(Kinematics(), RobotState(), [1.0] * 7, [1.0] * 7)
     result.move_to(doubles(q))
     return result
 
@@ -87,11 +87,9 @@ def test_the_joint_that_exceeds_its_bounds_most_is_found(which):
     ]
 
     def fastest(velocity, acceleration):
+        kernel.velocity, kernel.acceleration = doubles(velocity), doubles(acceleration)
         return kernel.fastest_joint(
-            doubles(TWIST),
-            doubles(accelerations[0] + accelerations[1]),
-            doubles(velocity),
-            doubles(acceleration),
+            doubles(TWIST), doubles(accelerations[0] + accelerations[1])
         )
 
     largest, far = np.max(needed, axis=0), [1e9] * 7

@@ -32,7 +32,7 @@ def advance(motion, cycles):
 def test_a_cartesian_motion_starts_at_rest(motion):
     advance(motion, 10)
 
-    assert motion.is_at_rest()
+    assert motion.motion.is_at_rest()
     assert [*motion.pose] == pytest.approx(HERE, abs=1e-15)
 
 
@@ -43,7 +43,7 @@ def test_a_target_is_reached_and_rested_at(motion, angle):
     advance(motion, 8_000)
 
     assert [*motion.pose] == pytest.approx(target, abs=1e-9)
-    assert motion.is_at_rest()
+    assert motion.motion.is_at_rest()
 
 
 def test_braking_ends_where_it_was_foretold(motion):
@@ -59,7 +59,7 @@ def test_braking_ends_where_it_was_foretold(motion):
             max(p, abs(a)) for p, a in zip(peaks, motion.accelerations[:6], strict=True)
         ]
 
-    assert motion.is_at_rest()
+    assert motion.motion.is_at_rest()
     # The axes do not stop at the same time, so the turn is only nearly the same.
     assert [*motion.pose] == pytest.approx(end, abs=2e-3)
     assert peaks == pytest.approx([abs(value) for value in foretold], rel=0.02)
@@ -83,11 +83,11 @@ def test_a_step_can_be_taken_back(motion):
 def test_a_way_to_rest_that_is_too_fast_is_seen(motion):
     motion.go_at([0.3, 0.0, 0.0, 0.0, 0.0, 0.0])
     advance(motion, 300)
-    assert motion.stays_within_speed()
+    assert motion.motion.stays_within_speed()
     motion.go_at([0.3, 0.3, 0.0, 0.0, 0.0, 0.0])  # longer than allowed
     advance(motion, 1_500)
 
-    assert not motion.stays_within_speed()
+    assert not motion.motion.stays_within_speed()
 
 
 def test_no_time_moves_nothing(motion):

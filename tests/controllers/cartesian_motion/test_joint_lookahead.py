@@ -20,7 +20,7 @@ def steps(controller, lookahead, twist, cycles):
     allowed = []
     for _ in range(cycles):
         motion.advance(0.001)
-        allowed.append(lookahead.allows(motion))
+        allowed.append(lookahead.allows(motion.motion))
     return allowed
 
 

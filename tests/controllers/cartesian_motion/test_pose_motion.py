@@ -1,10 +1,14 @@
-"""A pose along its axes against the functions it is made of, and both modes."""
+"""A pose along its axes, its ways to rest against Ruckig, and both modes."""
 
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from station.controllers.cartesian_motion import pose_motion
-from station.controllers.cartesian_motion.pose_motion import PoseMotion
+from station.controllers.cartesian_motion.cartesian_motion_generator import (
+    PoseMotion,
+    peak_speed,
+)
+from station.controllers.smoothed_motion.axis_limits import AxisLimits
+from station.controllers.smoothed_motion.motion_generator import MotionGenerator
 from station.core.numerics.poses import displace, pose_of, rotation_between
 from station.memory.doubles import doubles, zeros
 from tests.both_modes import arrays, assert_same, needs_both, numbers
@@ -13,12 +17,16 @@ LARGEST, JERK = [0.5] * 3 + [1.5] * 3, [6.0] * 3 + [15.0] * 3
 SPEEDS = (0.3, 1.0)
 HERE = pose_of([0.3, 0.1, 0.5], [0.6, 0.0, 0.0, 0.8])
 axes = st.lists(st.floats(-0.4, 0.4), min_size=6, max_size=6)
+states = st.tuples(st.floats(-1.0, 1.0), st.floats(-2.0, 2.0))
+limits = st.tuples(st.floats(2.0, 5.0), st.floats(1.0, 80.0))
 
 
 class Moved:
     """A motion with its memory."""
 
-    def __init__(self, kind=PoseMotion, pose=HERE, target=HERE):
+    def __init__(
+        self, kind=PoseMotion, pose=HERE, target=HERE, largest=LARGEST, jerk=JERK
+    ):
         self.pose, self.target = doubles(pose), doubles(target)
         self.twist, self.accelerations = zeros(6), zeros(12)
         self.motion = kind(
@@ -26,8 +34,8 @@ class Moved:
             self.target,
             self.twist,
             self.accelerations,
-            largest=LARGEST,
-            jerk=JERK,
+            largest=largest,
+            jerk=jerk,
             speeds=SPEEDS,
         )
 
@@ -55,23 +63,45 @@ def test_a_pose_goes_where_its_axes_go_and_back(way, velocities, accelerations):
     assert [*it.pose, *it.twist, *it.accelerations] == before
 
 
-@given(axes, axes)
-def test_a_motion_that_brakes_is_that_of_its_axes(velocities, accelerations):
-    it = Moved()
-    it.motion.take_rates(velocities, accelerations)
+@given(states, limits)
+def test_the_way_to_rest_is_that_of_the_time_optimal_motion(state, limit):
+    (v, a), (largest, jerk) = state, limit
+    generator = MotionGenerator(AxisLimits((1.0,), (largest,), (jerk,)))
+    generator.start([0.0], [0.0])
+    generator.restore(([0.0], [v], [a]))
+    it = Moved(largest=[largest] * 6, jerk=[jerk] * 6)
+    it.motion.take_rates([v] + [0.0] * 5, [a] + [0.0] * 5)
     it.motion.brake()
-    v, a, largest, jerk = map(doubles, (velocities, accelerations, LARGEST, JERK))
-    peaks, ways = zeros(6), zeros(6)
-    pose_motion.braking_peaks(v, a, largest, jerk, peaks)
-    pose_motion.resting_ways(v, a, largest, jerk, ways)
 
-    assert [*it.accelerations[6:]] == [*peaks]
-    ended = displace(HERE, ways.tolist()[:3], ways.tolist()[3:])
-    assert [*it.motion.resting] == pytest.approx(ended, abs=1e-12)
+    way = it.motion.resting[12] - HERE[12]
+    assert way == pytest.approx(generator.resting_positions()[0], abs=1e-7)
+
+
+@given(axes, axes)
+def test_a_motion_that_brakes_stays_within_its_speeds_if_its_axes_do(velocities, a):
+    it = Moved()
+    it.motion.take_rates(velocities, a)
+    v, a, jerk = map(doubles, (velocities, a, JERK))
+
     assert it.motion.stays_within_speed() == all(
-        pose_motion.peak_speed(v[k : k + 3], a[k : k + 3], jerk[k : k + 3]) <= speed
+        peak_speed(v[k : k + 3], a[k : k + 3], jerk[k : k + 3]) <= speed
         for k, speed in zip((0, 3), SPEEDS, strict=True)
     )
+
+
+def test_peaks_are_against_the_velocities_and_limited():
+    it = Moved(largest=[1.5, 9.0] + [1.0] * 4, jerk=[8.0] * 6)
+    it.motion.take_rates([2.0, -0.5] + [0.0] * 4, [0.0] * 6)
+
+    assert it.accelerations[6:8].tolist() == [-1.5, 2.0]
+
+
+def test_an_axis_that_accelerates_becomes_faster_while_it_brakes():
+    jerk = doubles([4.0, 4.0])
+
+    assert peak_speed(doubles([3, 0]), doubles([0, 0]), jerk) == 3.0
+    assert peak_speed(doubles([2.5, 0]), doubles([2, 0]), jerk) == 3.0
+    assert peak_speed(doubles([0, 4]), doubles([4, 0]), jerk) == pytest.approx(20**0.5)
 
 
 @pytest.mark.parametrize("axis", range(12))
@@ -107,10 +137,16 @@ def test_numbers_of_too_few_axes_are_refused():
 
 @needs_both
 @settings(max_examples=100)
-@given(arrays(16), arrays(16), arrays(6), arrays(6), arrays(6), numbers)
-def test_both_modes_agree_bit_for_bit(pose, target, way, velocities, a, other):
+@given(
+    st.tuples(arrays(16), arrays(16), arrays(6), arrays(6), arrays(6)),
+    st.lists(limits, min_size=6, max_size=6),
+    numbers,
+)
+def test_both_modes_agree_bit_for_bit(given_arrays, bounds, other):
+    pose, target, way, velocities, a = given_arrays
+
     def scenario(module):
-        it = Moved(module.PoseMotion, pose, target)
+        it = Moved(module.PoseMotion, pose, target, *zip(*bounds, strict=True))
         found = [*it.motion.aim(), *it.motion.coordinates()]
         found += [*it.motion.move(way, velocities, a), *it.pose, *it.accelerations]
         it.motion.brake()
@@ -119,4 +155,4 @@ def test_both_modes_agree_bit_for_bit(pose, target, way, velocities, a, other):
         it.motion.undo(a, [other] * 6)
         return [*found, *it.pose, *it.twist, *it.accelerations]
 
-    assert_same("pose_motion", scenario)
+    assert_same("cartesian_motion_generator", scenario)

@@ -72,8 +72,8 @@ def test_distances_are_those_of_mujoco(kind, size, tmp_path):
         ends, radius = random.uniform(-0.7, 0.7, 6), 0.05
         triangles = []
         solid = doubles(solid_of(thing, Pose(), triangles))
-        nearness = Nearness()
-        found = nearness.to_row(doubles(ends), 0, radius, solid, 0, doubles(triangles))
+        nearness = Nearness(solid, doubles(triangles))
+        found = nearness.to_row(doubles(ends), 0, radius, 0)
         # Deep inside MuJoCo measures the shortest way out of the pair of shapes.
         if found > -0.04:
             expected = judged_by_mujoco(thing, [*ends], radius)
@@ -87,19 +87,17 @@ def test_the_normal_is_the_derivative_of_the_distance(kind, size, tmp_path):
     file = str(wedge(tmp_path)) if kind == "mesh" else ""
     thing = SceneObject("it", kind, size, (0.1, 0.2, 0.0), (0.3, 0.2, 0.1), file=file)
     triangles = []
-    solid, nearness = doubles(solid_of(thing, Pose(), triangles)), Nearness()
-    meshes = doubles(triangles)
+    solid = doubles(solid_of(thing, Pose(), triangles))
+    nearness = Nearness(solid, doubles(triangles))
     for _ in range(20):
         ends = random.uniform(-0.7, 0.7, 6)
         # An axis that crosses the surface may be led out more ways than one.
-        if nearness.to_row(doubles(ends), 0, 0.0, solid, 0, meshes) <= 0.0:
+        if nearness.to_row(doubles(ends), 0, 0.0, 0) <= 0.0:
             continue
         normal = np.array(nearness.normal)
         for axis in np.eye(3):
             low, high = (
-                nearness.to_row(
-                    doubles(ends + np.tile(step * axis, 2)), 0, 0.0, solid, 0, meshes
-                )
+                nearness.to_row(doubles(ends + np.tile(step * axis, 2)), 0, 0.0, 0)
                 for step in (-1e-5, 1e-5)
             )
             assert (high - low) / 2e-5 == pytest.approx(normal @ axis, abs=2e-3)
@@ -107,11 +105,10 @@ def test_the_normal_is_the_derivative_of_the_distance(kind, size, tmp_path):
 
 def test_a_fence_measures_the_farthest_end_to_its_wall():
     fence = SceneObject("room", "box", (2.0, 2.0, 2.0), role="fence")
-    nearness = Nearness()
     ends = doubles([0.0, 0.0, 0.0, 0.7, 0.0, 0.0])
-    solid = doubles(solid_of(fence, Pose(), []))
+    nearness = Nearness(doubles(solid_of(fence, Pose(), [])), zeros(9))
 
-    assert nearness.to_row(ends, 0, 0.1, solid, 0, zeros(9)) == pytest.approx(0.2)
+    assert nearness.to_row(ends, 0, 0.1, 0) == pytest.approx(0.2)
     assert [*nearness.normal] == pytest.approx([-1.0, 0.0, 0.0])
     assert [*nearness.point] == pytest.approx([0.7, 0.0, 0.0])
 
@@ -142,8 +139,8 @@ def test_both_modes_agree_bit_for_bit(ends, kind, side, other):
     solid += [0.2, 0.3, 0.1, 0.0, side, 0.0, 0.0]
 
     def scenario(module):
-        nearness = module.Nearness()
-        nearness.to_row(doubles(ends), 0, 0.1, doubles(solid), 0, zeros(9))
+        nearness = module.Nearness(doubles(solid), zeros(9))
+        nearness.to_row(doubles(ends), 0, 0.1, 0)
         found = [nearness.distance, *nearness.point, *nearness.normal]
         point, normal = zeros(3), zeros(3)
         found.append(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.arm_chain import JointChain
 from station.memory.doubles import doubles
 from tests.both_modes import arrays, assert_same, needs_both
 
@@ -78,4 +78,4 @@ def test_both_modes_agree_bit_for_bit(q, axes):
         found.differentiate()
         return [*found.pose, *found.jacobian]
 
-    assert_same("joint_chain", scenario)
+    assert_same("arm_chain", scenario)

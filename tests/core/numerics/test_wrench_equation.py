@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from station.core.numerics.wrench_equation import WrenchEquation
+from station.core.numerics.arm_chain import WrenchEquation
 from station.memory.doubles import doubles, zeros
 from tests.both_modes import arrays, assert_same, needs_both, numbers
 
@@ -48,4 +48,4 @@ def test_both_modes_agree_bit_for_bit(jacobian, damping, b):
         equation.solve(doubles(b), x)
         return [float(is_definite), *x]
 
-    assert_same("wrench_equation", scenario)
+    assert_same("arm_chain", scenario)

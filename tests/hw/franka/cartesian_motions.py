@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 from station.core.franka import ArmError, RobotState
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
-from station.hw.franka.simulated.arm_parts import new_cartesian_step, new_joint_memory
+from station.hw.franka.arm.franka_kinematics import CHAIN
+from station.hw.franka.simulated.arm_parts import new_joint_memory
+from station.hw.franka.simulated.cartesian_step import CartesianStep
 from station.hw.franka.simulated.motion_check import MotionCheck
 from station.memory.doubles import put
 
@@ -17,7 +19,7 @@ class Generator:
     def __init__(self, state: RobotState) -> None:
         self._memory = new_joint_memory(state)
         check = MotionCheck(self._memory, PANDA_LIMITS, PERIOD)
-        self._step = new_cartesian_step(state, self._memory, check, PERIOD)
+        self._step = CartesianStep(self._memory, check, state.doubles, CHAIN, PERIOD)
         self._violations = check.violations
         self._is_first = True
         self.begin = self._step.begin_motion

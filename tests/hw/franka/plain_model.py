@@ -4,8 +4,10 @@ from collections.abc import Sequence
 
 from station.core.franka import Frame, FrankaModel
 from station.core.franka.franka_model import GRAVITY_EARTH
+from station.core.numerics.arm_chain import turn_to_inner_axes
 from station.hw.franka.arm import franka_kinematics as kinematics
 from station.hw.franka.arm.self_collision import clearance
+from station.memory.doubles import doubles
 
 
 class PlainModel(FrankaModel):
@@ -30,7 +32,10 @@ class PlainModel(FrankaModel):
         return kinematics.zero_jacobian(frame, q, F_T_EE, EE_T_K)
 
     def body_jacobian(self, frame, q, F_T_EE, EE_T_K):  # noqa: N803 - libfranka's names
-        return kinematics.body_jacobian(frame, q, F_T_EE, EE_T_K)
+        pose = doubles(self.pose(frame, q, F_T_EE, EE_T_K))
+        jacobian = doubles(self.zero_jacobian(frame, q, F_T_EE, EE_T_K))
+        turn_to_inner_axes(pose, jacobian, jacobian)
+        return [*jacobian]
 
     def clearance(self, q):
         return clearance(q, has_hand=True)

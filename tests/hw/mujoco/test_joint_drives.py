@@ -59,14 +59,14 @@ def bench() -> Bench:
 
 
 def test_position_is_reached_without_overshoot(bench):
-    bench.drives.position_target[0] = 1.5
+    bench.drives.targets["position"][0] = 1.5
     bench.run(2000)
     assert bench.positions[-1] == pytest.approx(1.5, abs=1e-6)
     assert max(bench.positions) < 1.5 + 1e-3
 
 
 def test_position_servo_keeps_the_velocity_limit(bench):
-    bench.drives.position_target[0] = 1.9
+    bench.drives.targets["position"][0] = 1.9
     bench.drives.velocity_limits[0] = 0.5
     bench.run(1500)
     assert max(bench.velocities) == pytest.approx(0.5, rel=1e-3)
@@ -74,7 +74,7 @@ def test_position_servo_keeps_the_velocity_limit(bench):
 
 def test_velocity_changes_with_bounded_acceleration(bench):
     bench.drives.modes[0] = DriveMode.VELOCITY
-    bench.drives.velocity_target[0] = 1.0
+    bench.drives.targets["velocity"][0] = 1.0
     bench.run(400)
     assert bench.velocities[-1] == pytest.approx(1.0, abs=1e-3)
     steps = [after - before for before, after in pairwise(bench.velocities)]
@@ -84,14 +84,14 @@ def test_velocity_changes_with_bounded_acceleration(bench):
 
 def test_velocity_ends_before_the_range_does(bench):
     bench.drives.modes[0] = DriveMode.VELOCITY
-    bench.drives.velocity_target[0] = 3.0
+    bench.drives.targets["velocity"][0] = 3.0
     bench.run(3000)
     assert 1.99 < max(bench.positions) < 2.001
 
 
 def test_effort_is_passed_on(bench):
     bench.drives.modes[0] = DriveMode.EFFORT
-    bench.drives.effort_target[0] = 6.0
+    bench.drives.targets["effort"][0] = 6.0
     bench.run(100)
     assert bench.velocities[-1] == pytest.approx(6.0 / 0.6 * 0.1, rel=1e-9)
 
@@ -99,14 +99,14 @@ def test_effort_is_passed_on(bench):
 def test_effort_does_not_drive_beyond_the_velocity_limit(bench):
     bench.drives.modes[0] = DriveMode.EFFORT
     bench.drives.velocity_limits[0] = 1.0
-    bench.drives.effort_target[0] = 20.0
+    bench.drives.targets["effort"][0] = 20.0
     bench.run(300)
     # one step of full effort beyond the limit: 20 / 0.6 * 0.001
     assert 1.0 <= max(bench.velocities) < 1.04
 
 
 def test_reset_forgets_targets(bench):
-    bench.drives.position_target[0] = 1.0
+    bench.drives.targets["position"][0] = 1.0
     bench.run(50)
     bench.world.reset({"j": -1.0})
     bench.run(100)
@@ -148,8 +148,8 @@ def act(module, world):
     drives = module.JointDrives(joints, 0.001)
     put(drives.modes, own["mode"])
     put(drives.velocity_limits, own["velocity_limit"])
-    put(drives.velocity_target, own["velocity_target"])
-    put(drives.effort_target, own["effort_target"])
+    put(drives.targets["velocity"], own["velocity_target"])
+    put(drives.targets["effort"], own["effort_target"])
     found = {}
     for step in range(2):  # the second one begins with a desired velocity
         drives.prepare_step()

@@ -2,8 +2,18 @@
 
 import pytest
 
-from station.hw.mujoco.world_step import CalledPreparation, SpeedCheck, WorldStep
+from station.hw.mujoco.world_step import Preparation, SpeedCheck, WorldStep
 from station.memory.doubles import doubles
+
+
+class CalledPreparation(Preparation):
+    """Calls a function before every step."""
+
+    def __init__(self, function):
+        self.function = function
+
+    def prepare_step(self):
+        self.function()
 
 
 class World:

@@ -146,7 +146,7 @@ class CommandedJointHandle(JointStateHandle):
             command: The command.
 
         Raises:
-            InvalidCommandError: The command is no number; a list takes anything,
+            InvalidCommandError: The command is no number; a list stores any object,
                 and the command is then refused before it reaches the robot.
         """
         try:

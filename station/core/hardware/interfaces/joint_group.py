@@ -25,7 +25,7 @@ class _Column:
     Attributes:
         read: Return the values, shape (n,), a new list.
         view: The values themselves, if they lie side by side in a block of doubles.
-        slots: Where the values are.
+        slots: Memory of the values, as (storage, index).
     """
 
     def __init__(self, storages: list[Storage], indices: list[int]) -> None:
@@ -67,7 +67,7 @@ class JointStateGroup:
         get_efforts: Return the efforts [Nm or N], shape (n,), a new list.
         positions: The positions themselves, if the robot keeps them side by side in a
             block of doubles; otherwise None. The same for `velocities` and `efforts`.
-        blocks: Where the states are, positions, velocities and efforts one after the
+        blocks: Memory of the states, positions, velocities and efforts one after the
             other: memory of the robot, as few blocks as it allows, or copies.
         refresh: Brings copies up to date; None if there are none.
     """

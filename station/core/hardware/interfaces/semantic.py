@@ -72,7 +72,7 @@ class GpsSensorInterface(HardwareResourceManager[ValuesSensorHandle]):
 
 
 class BatterySensorInterface(HardwareResourceManager[ValuesSensorHandle]):
-    """Batteries by name."""
+    """Interface of the batteries, by name."""
 
     type_name: ClassVar[str] = "hardware_interface::BatterySensorInterface"
 
@@ -128,7 +128,7 @@ class GpioCommandHandle(ResourceHandle):
     Args:
         name: `<gpio>/<interface>`.
         commands: The robot's storage of commands.
-        present: The robot's storage of what the outputs have now.
+        present: The robot's storage of the outputs' present values.
         index: Its slot in both.
 
     Raises:

@@ -21,8 +21,8 @@ class ForceTorqueSensorHandle(ResourceHandle):
         frame_id: Frame in which the values are expressed.
         force: The robot's storage of the force [N], shape (3,).
         torque: The robot's storage of the torque [Nm], shape (3,).
-        is_reaction: Whether the values are what holds the part behind the sensor;
-            otherwise they are what acts on it, which has the other sign.
+        is_reaction: Whether the values are the force that holds the part behind the
+            sensor; otherwise they are the force on that part, which has the other sign.
 
     Attributes:
         is_reaction: As given.

@@ -11,7 +11,7 @@ class JointLimitsError(HardwareInterfaceError, ValueError):
 
     Source:
         ros_control@633c374 joint_limits_interface_exception.h,
-        JointLimitsInterfaceException; differs: the message also says what to do.
+        JointLimitsInterfaceException; differs: the message also has a remedy.
     """
 
     code = "joint_limits"

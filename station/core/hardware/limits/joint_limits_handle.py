@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from math import inf, nan
 from sys import float_info
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 from typing_extensions import override
 
@@ -40,7 +40,15 @@ from station.core.hardware.limits.rate_limits import (
     VelocityRateLimits,
 )
 from station.core.parameters import Parameters
-from station.memory.doubles import own_block, put
+from station.memory.doubles import Storage, own_block, put
+
+
+class Arithmetic(Protocol):
+    """Makes the limits of one kind, in memory of the caller; see `LimitedJoints`."""
+
+    def __call__(self, views: Mapping[str, Storage]) -> LimitedJoints:
+        """Return the limits."""
+
 
 _OTHERS = ("position", "velocity", "command", "asked", "reason")
 
@@ -64,7 +72,7 @@ class JointLimitsGroup:
 
     def __init__(
         self,
-        arithmetic: type[LimitedJoints],
+        arithmetic: Arithmetic,
         joints: Sequence[JointHandle],
         limits: Sequence[Mapping[str, float]],
         memory: Sequence[Mapping[str, float]],
@@ -176,7 +184,7 @@ class JointLimitsHandle(ResourceHandle):
         arithmetic: The compiled arithmetic; that of the base class limits nothing.
         required: The limits that the joint must have, such as "velocity".
         unlimited: Value of a limit that the joint does not have.
-        first_previous: The command of the last cycle in the first one; NaN if the
+        first_previous: The previous command in the first cycle; NaN if the
             measured state takes its place.
         is_grouped: Whether an interface enforces the limits together with others.
         clamp_count: Number of cycles in which the command was changed, since
@@ -187,7 +195,7 @@ class JointLimitsHandle(ResourceHandle):
             limits.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = LimitedJoints
+    arithmetic: ClassVar[Arithmetic] = LimitedJoints
     required: ClassVar[tuple[str, ...]] = ()
     unlimited: ClassVar[float] = nan
     first_previous: ClassVar[float] = nan
@@ -269,7 +277,7 @@ class JointLimitsHandle(ResourceHandle):
 
     @property
     def enforces_alone(self) -> bool:
-        """Return whether the handle's class has a way of its own to enforce limits."""
+        """Return whether the handle's class overrides `enforce_limits`."""
         # A subclass that enforces in its own way must get its calls; a group would pass
         # it over.
         return type(self).enforce_limits is not JointLimitsHandle.enforce_limits
@@ -282,7 +290,7 @@ class JointLimitsHandle(ResourceHandle):
         """Use the memory of a group from now on. For interfaces.
 
         Args:
-            group: A group that has begun with `bounds` and `memory()`.
+            group: A group whose `bounds` and `memory()` have been called.
             slot: The joint's place in it.
         """
         self._group, self._slot = group, slot
@@ -338,7 +346,7 @@ class EffortJointSaturationHandle(JointLimitsHandle):
     position limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = EffortSaturation
+    arithmetic: ClassVar[Arithmetic] = EffortSaturation
     required: ClassVar[tuple[str, ...]] = ("velocity", "effort")
 
 
@@ -349,7 +357,7 @@ class EffortJointSoftLimitsHandle(SoftLimitsHandle):
     position limits unless it is continuous.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = EffortSoftLimits
+    arithmetic: ClassVar[Arithmetic] = EffortSoftLimits
     required: ClassVar[tuple[str, ...]] = ("velocity", "effort")
 
 
@@ -359,7 +367,7 @@ class PositionJointSaturationHandle(JointLimitsHandle):
     Position commands are in [rad or m]. Position and velocity limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = PositionLimits
+    arithmetic: ClassVar[Arithmetic] = PositionLimits
 
     @override
     def find_bounds(
@@ -383,7 +391,7 @@ class PositionJointSoftLimitsHandle(SoftLimitsHandle):
     The joint needs velocity limits, and position limits unless it is continuous.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = PositionLimits
+    arithmetic: ClassVar[Arithmetic] = PositionLimits
     required: ClassVar[tuple[str, ...]] = ("velocity",)
 
 
@@ -394,7 +402,7 @@ class VelocityJointSaturationHandle(JointLimitsHandle):
     acceleration limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = VelocitySaturation
+    arithmetic: ClassVar[Arithmetic] = staticmethod(VelocitySaturation)
     required: ClassVar[tuple[str, ...]] = ("velocity",)
     first_previous: ClassVar[float] = 0.0
 
@@ -405,7 +413,7 @@ class VelocityJointSoftLimitsHandle(SoftLimitsHandle):
     Velocity commands are in [rad/s or m/s]. All limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = VelocitySoftLimits
+    arithmetic: ClassVar[Arithmetic] = VelocitySoftLimits
 
     @override
     def find_bounds(
@@ -426,7 +434,7 @@ class PositionJointRateLimitsHandle(JointLimitsHandle):
     in [rad or m]. All limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = PositionRateLimits
+    arithmetic: ClassVar[Arithmetic] = staticmethod(PositionRateLimits)
     unlimited: ClassVar[float] = inf
 
 
@@ -438,7 +446,7 @@ class VelocityJointRateLimitsHandle(JointLimitsHandle):
     command. Velocity commands are in [rad/s or m/s]. All limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = VelocityRateLimits
+    arithmetic: ClassVar[Arithmetic] = VelocityRateLimits
     unlimited: ClassVar[float] = inf
 
 

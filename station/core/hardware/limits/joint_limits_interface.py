@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from station.core.hardware.interfaces.resource_manager import ResourceManager
 from station.core.hardware.limits.joint_limits_handle import (
+    Arithmetic,
     Clamp,
     EffortJointSaturationHandle,
     EffortJointSoftLimitsHandle,
@@ -27,7 +28,6 @@ from station.core.hardware.limits.joint_limits_handle import (
 from station.core.hardware.limits.limited_joints import (
     MOST_JOINTS,
     EnforcedLimits,
-    LimitedJoints,
     LimitedRun,
 )
 
@@ -111,7 +111,7 @@ class JointLimitsInterface(ResourceManager[L]):
     def _group_handles(self) -> None:
         mine = [member for _, members in self._groups for member in members]
         self._groups, self._single = [], []
-        alike: dict[tuple[type[LimitedJoints], int], list[L]] = {}
+        alike: dict[tuple[Arithmetic, int], list[L]] = {}
         for handle in self._enforced:
             # A handle remembers the last command in one group; two groups would limit
             # it twice.

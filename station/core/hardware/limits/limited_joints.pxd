@@ -21,9 +21,6 @@ cdef class EffortSoftLimits(LimitedJoints):
 cdef class VelocitySoftLimits(LimitedJoints):
     cdef double[::1] before
 
-cdef class VelocitySaturation(VelocitySoftLimits):
-    pass
-
 cdef class PositionLimits(LimitedJoints):
     pass
 
@@ -34,5 +31,5 @@ cdef class LimitedRun:
 
 cdef class EnforcedLimits:
     cdef public list runs, singles
-    @cython.locals(run=LimitedRun, joints=LimitedJoints, mask=long)
+    @cython.locals(run=LimitedRun, mask=long)
     cpdef enforce(self, double period)

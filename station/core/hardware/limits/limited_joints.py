@@ -25,6 +25,7 @@ Source: ros_control@633c374 joint_limits_interface.h, the six handles of limits.
 """
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Protocol
 
 from station.memory.doubles import Storage, own
@@ -265,11 +266,17 @@ class VelocitySoftLimits(LimitedJoints):
 
     Args:
         views: See `LimitedJoints`.
+        follows_commands: Whether they accelerate from the command of the last cycle, in
+            place of the measured velocity.
     """
 
-    def __init__(self, views: Mapping[str, Storage]) -> None:
+    def __init__(
+        self,
+        views: Mapping[str, Storage],
+        follows_commands: bool = False,  # noqa: FBT001, FBT002 - for the compiler
+    ) -> None:
         super().__init__(views)
-        self.before = views["velocity"]
+        self.before = self.previous if follows_commands else views["velocity"]
 
     def enforce(self, period: float, first: int, last: int) -> int:
         """See `LimitedJoints.enforce`."""
@@ -319,18 +326,9 @@ class VelocitySoftLimits(LimitedJoints):
         return mask
 
 
-class VelocitySaturation(VelocitySoftLimits):
-    """Velocity commands clipped to the hard limits.
-
-    They accelerate from the command of the last cycle, not from the measured velocity.
-
-    Args:
-        views: See `LimitedJoints`.
-    """
-
-    def __init__(self, views: Mapping[str, Storage]) -> None:
-        super().__init__(views)
-        self.before = self.previous
+VelocitySaturation = partial(VelocitySoftLimits, follows_commands=True)
+"""Velocity commands clipped to the hard limits; they accelerate from the command of the
+last cycle."""
 
 
 class PositionLimits(LimitedJoints):
@@ -407,10 +405,10 @@ class LimitedRun:
     Args:
         joints: The limits of the group's joints, whose memory is the robot's own; None
             if values are copied to and fro.
-        enforce: Does the same as `joints.enforce`, with copies if they are needed.
+        enforce: Calls `joints.enforce`, on copies of the values where necessary.
         first: Index of the first joint in the group.
         last: Index after the last joint.
-        count: Counts the commands that were changed, given one bit for each joint.
+        count: Counts the changed commands; its argument has one bit for each joint.
     """
 
     def __init__(

@@ -15,6 +15,3 @@ cdef class VelocityRateLimits(LimitedJoints):
     cpdef double shape(
         self, Py_ssize_t i, double asked, double down, double up, double period
     ) noexcept
-
-cdef class PositionRateLimits(VelocityRateLimits):
-    pass

@@ -24,6 +24,7 @@ does, the range wins.
 """
 
 from collections.abc import Mapping
+from functools import partial
 
 from station.core.hardware.limits import limited_joints as codes
 from station.core.hardware.limits.limited_joints import LimitedJoints
@@ -116,11 +117,16 @@ class VelocityRateLimits(LimitedJoints):
 
     Args:
         views: See `LimitedJoints`.
+        has_positions: Whether the commands are positions, whose velocities are limited.
     """
 
-    def __init__(self, views: Mapping[str, Storage]) -> None:
+    def __init__(
+        self,
+        views: Mapping[str, Storage],
+        has_positions: bool = False,  # noqa: FBT001, FBT002 - for the compiler
+    ) -> None:
         super().__init__(views)
-        self.has_positions = False
+        self.has_positions = has_positions
 
     def shape(
         self, i: int, asked: float, down: float, up: float, period: float
@@ -252,13 +258,5 @@ class VelocityRateLimits(LimitedJoints):
         return mask
 
 
-class PositionRateLimits(VelocityRateLimits):
-    """Position commands whose velocity keeps to the same limits.
-
-    Args:
-        views: See `LimitedJoints`.
-    """
-
-    def __init__(self, views: Mapping[str, Storage]) -> None:
-        super().__init__(views)
-        self.has_positions = True
+PositionRateLimits = partial(VelocityRateLimits, has_positions=True)
+"""Position commands whose velocity keeps to the same limits."""

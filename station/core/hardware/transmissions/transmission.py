@@ -22,7 +22,7 @@ class TransmissionInterfaceError(HardwareInterfaceError, ValueError):
 
     Source:
         ros_control@633c374 transmission_interface_exception.h,
-        TransmissionInterfaceException; differs: the message also says what to do.
+        TransmissionInterfaceException; differs: the message also has a remedy.
     """
 
     code = "transmission_interface"

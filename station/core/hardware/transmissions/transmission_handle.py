@@ -86,8 +86,8 @@ class QuantityMap:
         transmission: The transmission.
         direction: The way that the values take.
         quantity: The quantity, an attribute of `TransmissionData`.
-        source: Where the values are.
-        target: Where they go.
+        source: Memory of the values.
+        target: Receives the values.
 
     Attributes:
         transmission: As given, and the next four as well.

@@ -43,6 +43,8 @@ from station.core.hardware.transmissions.transmission import (
     TransmissionInterfaceError,
 )
 from station.core.hardware.transmissions.transmission_handle import (
+    SENSORS,
+    STATE,
     ActuatorData,
     JointData,
 )
@@ -88,33 +90,16 @@ class RawJointData:
 
     def __init__(self, joints: Sequence[str] | None = None) -> None:
         self.names: list[str] = list(joints or [])
-        count = len(self.names)
-        self.position: Storage = [] if joints is None else doubles([nan] * count)
-        self.velocity: Storage = [] if joints is None else doubles([nan] * count)
-        self.effort: Storage = [] if joints is None else doubles([nan] * count)
-        self.absolute_position: Storage = (
-            [] if joints is None else doubles([nan] * count)
-        )
-        self.torque_sensor: Storage = [] if joints is None else doubles([nan] * count)
-        self.position_command: Storage = (
-            [] if joints is None else doubles([nan] * count)
-        )
-        self.velocity_command: Storage = (
-            [] if joints is None else doubles([nan] * count)
-        )
-        self.effort_command: Storage = [] if joints is None else doubles([nan] * count)
-        self._states = {
-            "position": self.position,
-            "velocity": self.velocity,
-            "effort": self.effort,
-            "absolute_position": self.absolute_position,
-            "torque_sensor": self.torque_sensor,
-        }
-        self._commands = {
-            "position": self.position_command,
-            "velocity": self.velocity_command,
-            "effort": self.effort_command,
-        }
+        self._is_known = joints is not None
+        self._states = {quantity: self._new_values() for quantity in STATE + SENSORS}
+        self._commands = {quantity: self._new_values() for quantity in STATE}
+        self.position, self.velocity, self.effort, *sensors = self._states.values()
+        self.absolute_position, self.torque_sensor = sensors
+        commands = self._commands.values()
+        self.position_command, self.velocity_command, self.effort_command = commands
+
+    def _new_values(self) -> Storage:
+        return doubles([nan] * len(self.names)) if self._is_known else []
 
     def add(self, name: str) -> int:
         """Return the slot of a joint; a joint without a slot gets a new one.
@@ -424,22 +409,13 @@ def _joint_names(info: TransmissionInfo) -> list[str]:
 
 
 def _actuator_state_data(handles: list[ActuatorStateHandle]) -> ActuatorData:
-    data = ActuatorData(
-        position=[(h.position_storage, h.index) for h in handles],
-        velocity=[(h.velocity_storage, h.index) for h in handles],
-        effort=[(h.effort_storage, h.index) for h in handles],
-    )
-    encoders: list[Slot | None] = []
-    torque_sensors: list[Slot | None] = []
-    for handle in handles:
-        if handle.absolute_position_storage is not None:
-            encoders.append((handle.absolute_position_storage, handle.index))
-        if handle.torque_sensor_storage is not None:
-            torque_sensors.append((handle.torque_sensor_storage, handle.index))
-    if len(encoders) == len(handles):
-        data.absolute_position = encoders
-    if len(torque_sensors) == len(handles):
-        data.torque_sensor = torque_sensors
+    data = ActuatorData()
+    for quantity in STATE + SENSORS:
+        storages = [getattr(handle, f"{quantity}_storage") for handle in handles]
+        # A sensor counts only if every actuator has it.
+        if all(storage is not None for storage in storages):
+            places = [handle.index for handle in handles]
+            data.set_quantity(quantity, [*zip(storages, places, strict=True)])
     return data
 
 

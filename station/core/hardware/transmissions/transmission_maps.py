@@ -33,8 +33,8 @@ class ReducedValues:
     """Values of n actuators or joints, and where they go behind their reductions.
 
     Args:
-        source: Where the values are.
-        target: Where they go.
+        source: Memory of the values.
+        target: Receives the values.
         source_places: Index in `source` of each value, shape (n,).
         target_places: Index in `target` of each value, shape (n,).
         reductions: Actuator turns per joint turn, not 0, shape (n,).

@@ -29,7 +29,7 @@ def find_prefix(description: RobotFiles) -> str:
     """Return the prefix of the names in a Franka arm's URDF, e.g. `panda_`.
 
     Raises:
-        RobotDescriptionError: The URDF has no 7 joints that are named like an arm's.
+        RobotDescriptionError: The URDF has no 7 joints with the names of an arm.
     """
     joints = load_urdf(description).joints
     for name in joints:

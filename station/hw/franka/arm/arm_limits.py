@@ -6,7 +6,7 @@ test/fr3.urdf, `position_based_velocity_limits`; franka_ros@c11f000
 franka_description/robots/fr3/joint_limits.yaml; franka_description@1.0.1
 robots/fr3/inertials.yaml; differs: the Panda's
 translational velocity is that of libfranka's limiter, 2.0 m/s, not the documented
-1.7 m/s, so that what the limiter lets pass raises no error.
+1.7 m/s, so that the limiter's output raises no error.
 """
 
 from dataclasses import dataclass

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 
+from station.core.errors import InvalidCommandError
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import CollisionBehavior
+from station.hw.franka.arm.service_limits import field_error
 
 DEFAULT_COLLISION_BEHAVIOR = CollisionBehavior(
     *((20.0, 20.0, 18.0, 18.0, 16.0, 14.0, 12.0),) * 4,
@@ -54,6 +56,41 @@ def collision_behavior_problem(behavior: CollisionBehavior) -> ThresholdProblem 
     return None
 
 
+def check_collision_behavior(behavior: CollisionBehavior) -> None:
+    """Refuse thresholds that cannot be used.
+
+    Args:
+        behavior: The thresholds.
+
+    Raises:
+        InvalidCommandError: One cannot be used.
+    """
+    problem = collision_behavior_problem(behavior)
+    if problem is not None:
+        field, allowed = problem.field, problem.allowed
+        value = list(getattr(behavior, field))
+        raise InvalidCommandError(
+            f"The collision threshold '{field}' is {value}; it must be {allowed}.",
+            remedy=f"Give {allowed}.",
+            details=field_error(field, f"must be {allowed}", value),
+        )
+
+
+def thresholds_of(
+    behavior: CollisionBehavior, bound: str, phase: str
+) -> tuple[float, ...]:
+    """Return the thresholds of the torques, then of the wrench, shape (13,).
+
+    Args:
+        behavior: All thresholds.
+        bound: `lower` or `upper`.
+        phase: `nominal` or `acceleration`.
+    """
+    torques: tuple[float, ...] = getattr(behavior, f"{bound}_torque_thresholds_{phase}")
+    forces: tuple[float, ...] = getattr(behavior, f"{bound}_force_thresholds_{phase}")
+    return (*torques, *forces)
+
+
 def collision_error(signal: int, value: float, bound: float) -> ArmError:
     """Return the error of an estimate that is above its threshold.
 
@@ -77,10 +114,7 @@ def near_collisions(state: RobotState, behavior: CollisionBehavior) -> list[ArmE
         behavior: The thresholds in force.
     """
     values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
-    bounds = (
-        *behavior.upper_torque_thresholds_nominal,
-        *behavior.upper_force_thresholds_nominal,
-    )
+    bounds = thresholds_of(behavior, "upper", "nominal")
     return [
         collision_error(signal, value, bound)
         for signal, (value, bound) in enumerate(zip(values, bounds, strict=True))

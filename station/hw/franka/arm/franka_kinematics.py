@@ -3,7 +3,7 @@
 All matrices are flat and column-major, as libfranka has them: a pose T has 16 numbers,
 T(r, c) = T[4 c + r]; a Jacobian has 42, J(r, c) = J[6 c + r], rows vx vy vz wx wy wz.
 Base frame O: centre of the base, z along joint 1. `arm_chain` of `core.numerics` does
-the arithmetic; what runs in every cycle calls it with memory of its own.
+the arithmetic; functions of every cycle call it with memory of their own.
 
 Source: Franka Control Interface documentation, Denavit-Hartenberg parameters (Craig's
 convention; the same for Panda and FR3); libfranka@0.9.2 include/franka/model.h, Frame.
@@ -85,27 +85,6 @@ def zero_jacobian(
     """
     links = _placed(q)
     return [*place_jacobian(frame, links, place_frame(frame, links, F_T_EE, EE_T_K))]
-
-
-def body_jacobian(
-    frame: Frame,
-    q: Sequence[float],
-    F_T_EE: Sequence[float] = IDENTITY,
-    EE_T_K: Sequence[float] = IDENTITY,
-) -> list[float]:
-    """Return the Jacobian of a frame's origin in the frame's own axes, 42 numbers.
-
-    Args:
-        frame: The frame; columns of joints behind it are zero.
-        q: Joint positions [rad], shape (7,).
-        F_T_EE: End effector in the flange frame, 16 numbers.
-        EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
-    """
-    links = _placed(q)
-    pose = place_frame(frame, links, F_T_EE, EE_T_K)
-    jacobian = place_jacobian(frame, links, pose)
-    arm_chain.turn_to_inner_axes(pose, jacobian, jacobian)
-    return [*jacobian]
 
 
 def place_frame(

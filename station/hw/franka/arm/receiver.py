@@ -4,7 +4,7 @@ To pass a view of memory through a call of Python takes 0.2 us, 1 us when the ca
 cold. So the commands of a simulated arm are passed by a call of C.
 """
 
-from station.memory.doubles import Doubles, Storage
+from station.memory.doubles import Storage
 
 
 class Receiver:
@@ -15,20 +15,15 @@ class Receiver:
     network, needs no receiver of its own.
     """
 
-    def receive_torques(self, tau: Storage) -> bool:
-        """Return whether torques [Nm], shape (7,), were taken."""
-        return False
+    def receive(self, values: Storage, kind: int) -> bool:
+        """Return whether a command was taken.
 
-    def receive_positions(self, q: Storage) -> bool:
-        """Return whether positions [rad], shape (7,), were taken."""
-        return False
-
-    def receive_velocities(self, dq: Storage) -> bool:
-        """Return whether velocities [rad/s], shape (7,), were taken."""
-        return False
-
-    def receive_pose(self, pose: Doubles) -> bool:
-        """Return whether a pose without an elbow, 16 numbers, was taken."""
+        Args:
+            values: Torques [Nm], positions [rad] or velocities [rad/s] of the joints,
+                shape (7,), or a pose without an elbow, 16 numbers.
+            kind: The motion that it belongs to, see `arm_codes`; `NO_MOTION` for
+                torques.
+        """
         return False
 
     def rests_at_pose(self) -> bool:

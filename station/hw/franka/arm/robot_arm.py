@@ -112,7 +112,7 @@ class RobotArm(ABC):
     def is_stopping(self) -> bool:
         """Return whether the arm still refuses a motion because it ends the last one.
 
-        An arm that takes a motion over at once never does.
+        Always False for an arm that takes a new motion over at once.
         """
         return False
 
@@ -125,8 +125,8 @@ class RobotArm(ABC):
         """Begin a motion. Until its first command the arm stays where it is.
 
         Args:
-            controller_mode: Which controller makes the torques.
-            motion_generator_mode: Which motion is commanded; NONE only with the
+            controller_mode: Controller that makes the torques.
+            motion_generator_mode: Kind of the commanded motion; NONE only with the
                 external controller, for torques alone.
 
         Raises:
@@ -164,14 +164,14 @@ class RobotArm(ABC):
         """
 
     def plan_joint_positions(self, q: Storage, fastest: Sequence[float]) -> None:
-        """Let the arm plan its way to positions itself, instead of commanding it.
+        """Let the arm plan a motion to positions itself, instead of commanding it.
 
         One call is enough for the whole way: the cycles after it need no command. The
         next call changes the target wherever the arm is. A target beyond the limits is
         an error of the arm, as a commanded position would be.
 
         Args:
-            q: Where to go [rad], shape (7,).
+            q: Target positions [rad], shape (7,).
             fastest: Largest velocities, > 0 [rad/s], shape (7,); the arm's own limits
                 hold besides.
 
@@ -362,7 +362,7 @@ class RobotArm(ABC):
         """Return the present errors, or else the errors that ended the last motion."""
 
     def failure(self) -> str:
-        """Return the arm's own words on the end of its last motion; may be empty."""
+        """Return the arm's message about the end of its last motion; may be empty."""
         return ""
 
     @abstractmethod

@@ -9,6 +9,12 @@ from station.core.errors import InvalidCommandError
 LOAD_DISTANCE = 1.0
 """Largest coordinate of a load's centre of mass in the flange frame [m]; the reach of
 the arm is 0.855 m."""
+JOINT_STIFFNESS = (0.0, 14250.0)
+"""Range of the joint impedance [Nm/rad]."""
+TRANSLATIONAL_STIFFNESS = (10.0, 3000.0)
+"""Range of the Cartesian impedance along the axes [N/m]."""
+ROTATIONAL_STIFFNESS = (1.0, 300.0)
+"""Range of the Cartesian impedance about the axes [Nm/rad]."""
 PUSH_DISTANCE = 10.0
 """Largest distance of the point of a push from the origin of the link [m]."""
 
@@ -59,6 +65,34 @@ def check_vector(
                 field, f"must have a length of at most {largest:g} {unit}", list(values)
             ),
         )
+
+
+def check_ranges(
+    values: Sequence[float], ranges: Sequence[tuple[float, float]], what: str
+) -> list[float]:
+    """Return numbers of a request as a list if each is in its range.
+
+    Args:
+        values: The numbers.
+        ranges: Lowest and highest of each.
+        what: Name of the field.
+
+    Raises:
+        InvalidCommandError: A number is out of its range, or there are more or fewer.
+    """
+    found = [
+        field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
+        for i, (value, (low, high)) in enumerate(zip(values, ranges, strict=False))
+        if not low <= value <= high
+    ]
+    if len(values) != len(ranges) or found:
+        allowed = ", ".join(f"{low:g} to {high:g}" for low, high in ranges)
+        raise InvalidCommandError(
+            f"'{what}' is {list(values)}; allowed are {allowed}.",
+            remedy=f"Give {len(ranges)} numbers in these ranges.",
+            details={"errors": found},
+        )
+    return list(values)
 
 
 def check_load(

@@ -5,7 +5,6 @@ cpdef double velocity_towards_end(
 
 cdef class VelocityCurves:
     cdef readonly Py_ssize_t size
-    cdef double[::1] highest, a, b, upper, lower
-    cdef double margin
+    cdef double[::1] highest, a, b, upper, lower, margins
     cpdef void put(
         self, double[::1] q, double[::1] lowest, double[::1] highest) noexcept

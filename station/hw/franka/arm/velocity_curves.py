@@ -36,20 +36,19 @@ class VelocityCurves:
     Args:
         highest: The limits in the middle of the ranges [rad/s], shape (n,).
         curves: (a, b, upper end, lower end) of each joint.
-        margin: How far inside its limits a velocity stays [rad/s], >= 0; a range is
-            never turned inside out.
+        margins: How far inside its limits the velocity of each joint stays [rad/s],
+            shape (n,); below 0: how far beyond. A range is never turned inside out.
     """
 
     def __init__(
         self,
         highest: Sequence[float],
         curves: Sequence[Sequence[float]],
-        margin: float = 0.0,
+        margins: Sequence[float],
     ) -> None:
-        self.margin = margin
         columns = [*zip(*curves, strict=True)] or [()] * 4
         self.size = len(curves)
-        self.highest = own(highest)
+        self.highest, self.margins = own(highest), own(margins)
         self.a, self.b, self.upper, self.lower = map(own, columns)
 
     def put(self, q: Storage, lowest: Storage, highest: Storage) -> None:
@@ -57,15 +56,16 @@ class VelocityCurves:
 
         Args:
             q: Positions of the joints [rad], shape (n,).
-            lowest: Where the limits of negative velocities go [rad/s], shape (n,).
-            highest: Where those of positive velocities go [rad/s], shape (n,).
+            lowest: Receives the limits of negative velocities [rad/s], shape (n,).
+            highest: Receives those of positive velocities [rad/s], shape (n,).
         """
         for i in range(self.size):
             most, a, b = self.highest[i], self.a[i], self.b[i]
+            margin = self.margins[i]
             fastest = velocity_towards_end(most, a, b, self.upper[i] - q[i])
-            fastest -= self.margin
+            fastest -= margin
             highest[i] = fastest if fastest > 0.0 else 0.0
             fastest = velocity_towards_end(most, a, b, q[i] - self.lower[i])
-            fastest -= self.margin
+            fastest -= margin
             # Subtracted, so that no limit is -0.
             lowest[i] = 0.0 - (fastest if fastest > 0.0 else 0.0)

@@ -1,5 +1,5 @@
 from station.hw.franka.commands.command_sender cimport CommandSender
-from station.memory.finite_check cimport FiniteCheck
+from station.memory.vectors cimport FiniteCheck
 
 cdef class ArmReading:
     cdef object arm, read_once, motion

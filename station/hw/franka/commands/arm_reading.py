@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from station.hw.franka.commands.command_sender import CommandSender
-from station.memory.finite_check import FiniteCheck
+from station.memory.vectors import FiniteCheck
 
 if TYPE_CHECKING:
     from collections.abc import Callable

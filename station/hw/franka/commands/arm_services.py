@@ -15,23 +15,25 @@ from station.core.franka.franka_services import (
     FrankaServices,
 )
 from station.hw.franka.arm.collision_behavior import (
-    collision_behavior_problem,
+    check_collision_behavior,
     near_collisions,
 )
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import ControllerMode, RobotArm
-from station.hw.franka.arm.service_limits import ServiceLimits, check_load, field_error
+from station.hw.franka.arm.service_limits import (
+    JOINT_STIFFNESS,
+    ROTATIONAL_STIFFNESS,
+    TRANSLATIONAL_STIFFNESS,
+    ServiceLimits,
+    check_load,
+    check_ranges,
+    field_error,
+)
 from station.hw.franka.arm.transform_check import check_transform
 from station.hw.franka.commands.motion_start import MotionStart
 from station.reports import ArmRecord
 
-JOINT_STIFFNESS = (0.0, 14250.0)
-"""Range of the joint impedance [Nm/rad]."""
-TRANSLATIONAL_STIFFNESS = (10.0, 3000.0)
-"""Range of the Cartesian impedance along the axes [N/m]."""
-ROTATIONAL_STIFFNESS = (1.0, 300.0)
-"""Range of the Cartesian impedance about the axes [Nm/rad]."""
 # Rounding of a tensor that was turned into another frame.
 _SYMMETRY = 1e-9
 
@@ -114,7 +116,7 @@ class ArmServices(FrankaServices):
     @override
     def set_joint_impedance(self, joint_stiffness: Sequence[float]) -> None:
         self._check_connected()
-        values = _in_range(joint_stiffness, [JOINT_STIFFNESS] * 7, "joint_stiffness")
+        values = check_ranges(joint_stiffness, [JOINT_STIFFNESS] * 7, "joint_stiffness")
         self._check_use(ControllerMode.JOINT_IMPEDANCE)
         self._arm.set_joint_impedance(values)
         # After the arm has accepted it: a refused one must not act.
@@ -124,7 +126,7 @@ class ArmServices(FrankaServices):
     def set_cartesian_impedance(self, cartesian_stiffness: Sequence[float]) -> None:
         self._check_connected()
         ranges = [TRANSLATIONAL_STIFFNESS] * 3 + [ROTATIONAL_STIFFNESS] * 3
-        values = _in_range(cartesian_stiffness, ranges, "cartesian_stiffness")
+        values = check_ranges(cartesian_stiffness, ranges, "cartesian_stiffness")
         self._check_use(ControllerMode.CARTESIAN_IMPEDANCE)
         self._arm.set_cartesian_impedance(values)
         self._motion.impedance = ControllerMode.CARTESIAN_IMPEDANCE
@@ -168,15 +170,7 @@ class ArmServices(FrankaServices):
     @override
     def set_collision_behavior(self, behavior: CollisionBehavior) -> None:
         self._check_connected()
-        problem = collision_behavior_problem(behavior)
-        if problem is not None:
-            field, allowed = problem.field, problem.allowed
-            value = getattr(behavior, field)
-            raise InvalidCommandError(
-                f"The collision threshold '{field}' {list(value)} is not possible.",
-                remedy=f"Give {allowed}.",
-                details=field_error(field, f"must be {allowed}", list(value)),
-            )
+        check_collision_behavior(behavior)
         self._arm.set_collision_behavior(behavior)
 
     @override
@@ -247,21 +241,3 @@ class ArmServices(FrankaServices):
             raise ArmCommandError(
                 f"Arm '{self.name}' is not connected.", remedy="Connect it first."
             )
-
-
-def _in_range(
-    values: Sequence[float], ranges: Sequence[tuple[float, float]], what: str
-) -> list[float]:
-    found = [
-        field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
-        for i, (value, (low, high)) in enumerate(zip(values, ranges, strict=False))
-        if not low <= value <= high
-    ]
-    if len(values) != len(ranges) or found:
-        allowed = ", ".join(f"{low:g} to {high:g}" for low, high in ranges)
-        raise InvalidCommandError(
-            f"'{what}' is {list(values)}; allowed are {len(ranges)} numbers in range.",
-            remedy=f"Give numbers in these ranges: {allowed}.",
-            details={"errors": found},
-        )
-    return list(values)

@@ -15,7 +15,7 @@ from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.commands.cartesian_sender import CartesianSender, PoseRates
 from station.hw.franka.commands.rate_limiter import PERIOD, with_margins
 from station.memory.doubles import Block, put
-from station.memory.finite_check import FiniteCheck
+from station.memory.vectors import FiniteCheck
 
 # libfranka's margin for the rotation of a pose.
 _ROTATION_SHARE = 0.99

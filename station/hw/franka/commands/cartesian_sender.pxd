@@ -2,12 +2,12 @@ from station.core.numerics.command_rates cimport limited, low_pass
 from station.core.geometry.guard cimport Guard
 from station.core.numerics.rigid_motion cimport displace, rotation_between, twist_between
 from station.hw.franka.arm.receiver cimport Receiver
-from station.hw.franka.commands.pose_bridge cimport PoseBridge
 from station.memory.functions cimport square_root
-from station.memory.vectors cimport copy_into
+from station.memory.vectors cimport copy_into, differ
 
 cdef double _TINY
-cdef int _SLOWED
+cdef int _SLOWED, _CARTESIAN
+cdef Py_ssize_t _POSE, _ELBOW, _KEPT
 
 cpdef void limit_vector(
     double[::1] vector, Py_ssize_t start, double[::1] last_velocity,
@@ -26,9 +26,19 @@ cdef class PoseRates:
     cpdef void filter_pose(self, double[::1] pose, bint passes) noexcept
     cpdef void filter_twist(self, double[::1] twist) noexcept
     cpdef void filter_elbow(self, double[::1] elbow, bint passes) noexcept
-    cpdef void approach(self, double[::1] twist) noexcept
-    cpdef void slow(self, double[::1] twist) noexcept
     cpdef void limit(self, double[::1] twist, double rotation_share) noexcept
+
+cdef class PoseBridge:
+    cdef double period, _gain
+    cdef double[::1] elbows
+    cdef readonly double[::1] poses, pose, elbow
+    cdef readonly Py_ssize_t newest
+    cdef readonly long long cycle, last_cycle, earlier_cycle, before_cycle
+    cdef readonly bint is_on_commands
+    cdef list _step, _bend, _offset, _rate, _rise
+    cpdef bint is_expected(self) noexcept
+    cpdef void note_next(self, double[::1] pose, double[::1] elbow) noexcept
+    cpdef bint repeats(self, double[::1] pose) noexcept
 
 cdef class CartesianSender:
     cdef object arm

@@ -5,9 +5,9 @@ from station.core.hardware.limits.limited_joints cimport EnforcedLimits
 from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.commands.cartesian_sender cimport CartesianSender
-from station.memory.finite_check cimport FiniteCheck
+from station.memory.vectors cimport FiniteCheck
 
-cdef int _MOVE
+cdef int _MOVE, _TORQUES, _POSITIONS, _VELOCITIES
 
 cdef class CommandSender:
     cdef object arm, joints, cartesian, hand, write_fingers
@@ -27,7 +27,6 @@ cdef class CommandSender:
     cpdef write(self, double time, double period)
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
     cpdef send_commands(self, double period)
-    cpdef resend_commands(self)
     cpdef send_all(self, bint is_new)
     cpdef send_positions(self)
     cpdef send_velocities(self)

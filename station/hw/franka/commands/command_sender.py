@@ -18,9 +18,13 @@ if TYPE_CHECKING:
     from station.hw.franka.commands.cartesian_commands import CartesianCommands
     from station.hw.franka.commands.command_settings import CommandSettings
     from station.hw.franka.commands.joint_commands import JointCommands
-    from station.memory.finite_check import FiniteCheck
+    from station.memory.vectors import FiniteCheck
 
-_MOVE = codes.MOVE  # as a C number, by the .pxd
+# As C numbers, by the .pxd.
+_MOVE = codes.MOVE
+_TORQUES = codes.NO_MOTION
+_POSITIONS = codes.POSITIONS
+_VELOCITIES = codes.VELOCITIES
 
 
 class Hand(Protocol):
@@ -59,7 +63,7 @@ class CommandSender:
         is_active: Whether controllers give any command.
         is_waiting: Whether the arm is coming to rest before it follows them.
         refusal: Why a command was not sent and the motion ended; None if all were sent.
-        guard: Keeps the arm clear of what is around it; None where nothing is.
+        guard: Keeps the arm clear of its scene; None without a scene.
     """
 
     def __init__(
@@ -231,7 +235,7 @@ class CommandSender:
             self.guard.limit_positions(rates.result)
         # The receiver takes the usual command without a call of Python; the method of
         # the arm takes any other, or refuses it with a reason.
-        if not self.receiver.receive_positions(rates.result):
+        if not self.receiver.receive(rates.result, _POSITIONS):
             self.arm.command_joint_positions(rates.result)
 
     def send_velocities(self) -> None:
@@ -242,7 +246,7 @@ class CommandSender:
         rates.filter_velocities()
         if self.guard is not None:
             self.guard.limit_velocities(rates.result)
-        if not self.receiver.receive_velocities(rates.result):
+        if not self.receiver.receive(rates.result, _VELOCITIES):
             self.arm.command_joint_velocities(rates.result)
 
     def send_torques(self) -> None:
@@ -253,7 +257,7 @@ class CommandSender:
         if guard is not None and not guard.limit_torques(rates.result):
             self.refuse(guard.reflex())
             return
-        if not self.receiver.receive_torques(rates.result):
+        if not self.receiver.receive(rates.result, _TORQUES):
             self.arm.command_joint_torques(rates.result)
 
     def refuse(self, reason: str) -> None:

@@ -18,7 +18,7 @@ class CommandSettings:
             limits.
         cutoff_frequency: Cutoff frequency of the low-pass filter on commands [Hz], > 0;
             a frequency of 1000 Hz or more turns the filter off.
-        internal_controller: Which controller of the arm makes the torques of a motion
+        internal_controller: Controller of the arm that makes the torques of a motion
             for which no controller of the station commands torques; None: the one
             whose impedance was set last, in Cartesian motions, and else joint
             impedance.

@@ -31,7 +31,7 @@ from station.core.hardware.robot_report import (
 from station.hw.franka.arm.arm_limits import MotionLimits
 from station.hw.franka.arm.control_mode import ControlMode
 from station.memory.doubles import Block, Doubles, put
-from station.memory.finite_check import FiniteCheck
+from station.memory.vectors import FiniteCheck
 
 _DOF = 7
 # Distance from the ends of its range at which a joint that is limited by rate stops

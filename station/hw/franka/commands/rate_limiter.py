@@ -125,4 +125,4 @@ def make_velocity_curves(limits: ArmLimits) -> VelocityCurves | None:
     """
     if not limits.curves:
         return None
-    return VelocityCurves(limits.velocity, limits.curves, MARGIN)
+    return VelocityCurves(limits.velocity, limits.curves, [MARGIN] * 7)

@@ -1,1 +1,1 @@
-"""The Franka Control Interface: what libfranka and a robot say to each other."""
+"""The Franka Control Interface: messages between libfranka and a robot."""

@@ -1,4 +1,3 @@
-cimport cython
 from station.core.franka.joint_memory cimport JointMemory
 from station.core.numerics.arm_chain cimport measure_accelerations, place_links
 
@@ -10,6 +9,3 @@ cdef class Accelerometers:
     cdef double[::1] last, ddq
     cdef bint has_read
     cdef double seen
-    @cython.locals(memory=JointMemory, time=double)
-    cpdef read(self)
-    cpdef forget(self)

@@ -54,7 +54,7 @@ class Accelerometers:
 
     Args:
         state: The arm's state.
-        memory: The positions and velocities of its joints as they are.
+        memory: True positions and velocities of its joints.
     """
 
     def __init__(self, state: RobotState, memory: JointMemory) -> None:

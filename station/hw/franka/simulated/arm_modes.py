@@ -37,6 +37,12 @@ from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotMode
 from station.core.franka.franka_services import ArmSimulation, FaultKind, SimulatedFault
 from station.core.hardware.robot_report import ClampReport
+from station.hw.franka.arm.arm_codes import (
+    CARTESIAN,
+    NO_MOTION,
+    POSITIONS,
+    VELOCITIES,
+)
 from station.hw.franka.arm.robot_arm import (
     REST_VELOCITY,
     ControllerMode,
@@ -50,17 +56,16 @@ from station.hw.franka.arm.service_limits import (
     field_error,
 )
 from station.hw.franka.simulated.arm_parts import ArmParts
-from station.hw.franka.simulated.arm_step import LONGEST_SETTLING
-from station.hw.franka.simulated.step_codes import (
-    CARTESIAN,
-    NO_MOTION,
-    POSITIONS,
-    VELOCITIES,
-)
+from station.hw.franka.simulated.arm_step import LONGEST_SETTLING, VIOLATION
 from station.hw.mujoco.push import WORLD, as_push
 from station.hw.mujoco.world import World
 from station.memory.doubles import put
 
+_SUPERVISED = (
+    RobotMode.IDLE,
+    RobotMode.MOVE,
+    RobotMode.AUTOMATIC_ERROR_RECOVERY,
+)
 HALTED = (
     RobotMode.REFLEX,
     RobotMode.USER_STOPPED,
@@ -247,6 +252,38 @@ class ArmModes(ArmSimulation):
         self._supervisor.set_errors(errors, self._world.step_count)
         self.end_motion(RobotMode.REFLEX)
 
+    def react_to_observer(self, found: int) -> None:
+        """Serve the requests of the observer, e.g. the loss of a command.
+
+        Args:
+            found: Result of `FrictionAndObserver.sense`.
+        """
+        # Only a motion has commands that can be lost.
+        if self._contact.react_to(found) and self._state.robot_mode is RobotMode.MOVE:
+            self._faults.drop()
+            self._step.has_faults = True
+
+    def supervise(self, found: int) -> None:
+        """Bring the contacts up to date, and find errors in the readings.
+
+        Args:
+            found: Result of `ArmStep.read_joints`.
+        """
+        has_diverged = self._world.diverged_because is not None
+        # First of all: the readings of a diverged world mean nothing.
+        if has_diverged and self._state.robot_mode is not RobotMode.OTHER:
+            self.end_motion(RobotMode.OTHER)
+        errors = self._contact.update()
+        mode = self._state.robot_mode
+        if mode in _SUPERVISED:
+            errors = errors + self._supervisor.examine(
+                is_quiet=not found & VIOLATION,
+                is_following=self._step.is_following,
+                is_recovering=mode is RobotMode.AUTOMATIC_ERROR_RECOVERY,
+            )
+            if errors:
+                self.raise_errors(errors)
+
     def check_recovery(self) -> None:
         """Refuse when the arm cannot recover itself now.
 
@@ -317,7 +354,7 @@ class ArmModes(ArmSimulation):
         return True
 
     def _find_returns(self) -> dict[int, float]:
-        """Return the way back of each joint beyond a limit [rad]."""
+        """Return the distance back of each joint beyond a limit [rad]."""
         found: dict[int, float] = {}
         memory, limits = self._memory, self._limits
         ranges = zip(limits.lower, limits.upper, strict=True)
@@ -436,7 +473,7 @@ class ArmModes(ArmSimulation):
         """Return the refusal of commands that do not fit the present motion.
 
         Args:
-            what: The commands.
+            what: Name of the commands.
         """
         controller = self.controller.value if self.controller else "none"
         return ArmCommandError(
@@ -449,7 +486,7 @@ class ArmModes(ArmSimulation):
         """Refuse to change a setting during a motion.
 
         Args:
-            what: The setting.
+            what: Name of the setting.
 
         Raises:
             ArmCommandError: A motion runs.

@@ -9,109 +9,24 @@ from station.hw.franka.arm.franka_kinematics import CHAIN, compose
 from station.hw.franka.arm.load import Load, combine_loads
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_motors import ArmMotors
-from station.hw.franka.simulated.arm_step import ArmStep
+from station.hw.franka.simulated.arm_step import ArmStep, CycleLog
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
-from station.hw.franka.simulated.cartesian_step import CartesianStep
+from station.hw.franka.simulated.cartesian_step import (
+    CartesianStep,
+    EndEffectorState,
+)
 from station.hw.franka.simulated.contact_estimate import (
     ContactEstimate,
     MomentumObserver,
 )
-from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.desired_motion import DesiredMotion
-from station.hw.franka.simulated.end_effector_state import EndEffectorState
 from station.hw.franka.simulated.franka_dynamics import ArmLoad
-from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
 from station.hw.franka.simulated.joint_motors import JointMotors
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.hw.franka.simulated.motion_check import MotionCheck
 from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.world import World
-from station.hw.mujoco.world_joints import WorldJoints
-from station.memory.doubles import Doubles, put, zeros
-
-_ZEROS = [0.0] * 7
-
-
-class ArmSensors:
-    """Reads the joints of one arm into its state. Control thread only.
-
-    Args:
-        joints: The arm's joints in the world.
-        state: The arm's state; time, measured positions, velocities and torques are
-            written.
-        positions: Positions of the joints as they are [rad], shape (7,); written.
-        step: Reads the joints.
-        load: The configured load.
-        faults: The faults that change readings.
-        period: Duration of a cycle [s], > 0.
-    """
-
-    def __init__(
-        self,
-        joints: WorldJoints,
-        state: RobotState,
-        *,
-        positions: Doubles,
-        step: ArmStep,
-        load: ArmLoad,
-        faults: SensorFaults,
-        period: float,
-    ) -> None:
-        self._joints = joints
-        self._state = state
-        self._positions = positions
-        self._step = step
-        self._load = load
-        self._faults = faults
-        self._period = period
-        self._ddq = _ZEROS
-
-    def read(self, time: float) -> int:
-        """Bring the measured fields of the state up to date.
-
-        Args:
-            time: Time of the arm [s].
-
-        Returns:
-            What `ArmStep.read_joints` has found.
-        """
-        step, state = self._step, self._state
-        # Before the joints are read: the state still has the velocities of the last
-        # step.
-        if step.has_load:
-            self._ddq = [
-                (new - old) / self._period
-                for new, old in zip(
-                    self._joints.read_velocities(), state.dtheta, strict=True
-                )
-            ]
-        found = step.read_joints(time)
-        state.time = time
-        if step.has_faults:
-            self._faults.disturb(state)
-        return found
-
-    def rest(self) -> None:
-        """Read the pose to which the world was set, with all velocities zero."""
-        state = self._state
-        state.dq = state.dtheta = _ZEROS
-        state.q = state.theta = self._joints.read_positions()
-        put(self._positions, state.q)
-
-    def load_torques(self) -> list[float] | None:
-        """Return the torques for the configured load [Nm], (7,); None without a load.
-
-        The accelerations are differences of the last two measured velocities.
-        """
-        if not self._step.has_load:
-            return None
-        state = self._state
-        return self._load.torques(list(self._positions), state.dtheta, self._ddq)
-
-
-MAX_EXTENSION = -0.467002423653011
-"""Position of joint 4 at which the arm is stretched out most [rad]."""
 
 
 class ArmFrames:
@@ -127,7 +42,7 @@ class ArmFrames:
 
     def __init__(self, state: RobotState) -> None:
         self._state = state
-        self._end_effector = EndEffectorState(state.doubles, CHAIN, MAX_EXTENSION)
+        self._end_effector = EndEffectorState(state.doubles, CHAIN)
         self._refreshed_at = -1.0
         self.is_cartesian = False
 
@@ -177,7 +92,7 @@ class ArmFrames:
         self._refreshed_at = -1.0
 
     def refresh(self) -> bool:
-        """Bring the derived fields up to date; return False when they were."""
+        """Update the derived fields; return False when they were up to date."""
         state = self._state
         # Few cycles have a reader of poses: they are computed for the first one that
         # asks.
@@ -210,25 +125,6 @@ def new_joint_memory(state: RobotState, *, is_rigid: bool = True) -> JointMemory
     )
 
 
-def new_cartesian_step(
-    state: RobotState, memory: JointMemory, check: MotionCheck, period: float
-) -> CartesianStep:
-    """Return a new follower of an arm's poses and twists.
-
-    Args:
-        state: The arm's state.
-        memory: State and commands of its joints.
-        check: Compares commanded motions with the limits.
-        period: Duration of a cycle [s], > 0.
-    """
-    field = state.doubles
-    kinematics = InverseKinematics(
-        CHAIN, field("q_d"), field("F_T_EE"), zeros(16), zeros(memory.size)
-    )
-    end_effector = EndEffectorState(field, CHAIN, MAX_EXTENSION)
-    return CartesianStep(memory, kinematics, check, end_effector, period)
-
-
 class ArmParts:
     """The parts of one arm in a world. Control thread only.
 
@@ -253,7 +149,6 @@ class ArmParts:
         faults: The faults of the arm.
         step: Actions of the arm before and after a step of the world.
         supervisor: Finds and keeps the errors.
-        sensors: Reads the joints.
         contact: External torques and the thresholds for them.
     """
 
@@ -297,7 +192,7 @@ class ArmParts:
             memory,
             state,
             motion=self.motion,
-            cartesian=new_cartesian_step(state, memory, check, period),
+            cartesian=CartesianStep(memory, check, state.doubles, CHAIN, period),
             motors=joint_motors,
             actuators=self.motors,
             load=self.load,
@@ -306,22 +201,15 @@ class ArmParts:
             watch=watch,
             log=log,
             simulator=simulator,
+            world=world.stepping,
         )
         self.supervisor = ArmSupervisor(state, thresholds, watch, log)
-        self.sensors = ArmSensors(
-            joints,
-            state,
-            positions=memory.positions,
-            step=self.step,
-            load=self.load,
-            faults=self.faults,
-            period=period,
-        )
-        seen = (joints, state, limits, self.sensors.load_torques)
+        seen = (joints, state, limits, self.step)
         self.contact = (
             ContactEstimate(*seen)
             if realism is None
             else MomentumObserver(*seen, realism, memory, simulator)
         )
+        self.step.contact, self.step.observer = self.contact, self.contact.observer
         if realism is not None:
             joint_motors.is_late = realism.commands_are_late

@@ -11,26 +11,31 @@ from typing import TYPE_CHECKING, NoReturn
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import MODE, RobotState
 from station.core.franka.joint_memory import JointMemory
-from station.hw.franka.arm import arm_codes as modes
+from station.hw.franka.arm import arm_codes as codes
 from station.hw.franka.arm.receiver import Receiver
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS
-from station.hw.franka.simulated import step_codes as codes
 from station.hw.franka.simulated.cartesian_step import CartesianStep
-from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.desired_motion import DesiredMotion
+from station.hw.franka.simulated.friction_and_observer import (
+    LOST,
+    TOUCHED,
+    WEAK,
+    FrictionAndObserver,
+)
 from station.hw.franka.simulated.joint_motors import JointMotors
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.hw.franka.simulated.motion_check import MotionCheck
 from station.hw.franka.simulated.planned_motion import PlannedMotion
 from station.hw.franka.simulated.violations import JOINT_POSITION, LOST_COMMANDS
 from station.hw.mujoco.simulator_memory import SimulatorMemory
-from station.hw.mujoco.world_step import Preparation
-from station.memory.doubles import Doubles, Storage, doubles, put
+from station.hw.mujoco.world_step import Preparation, WorldStep
+from station.memory.doubles import Doubles, Storage, doubles, own_zeros, put, zeros
 from station.memory.vectors import any_of, are_finite, copy_into
 
 if TYPE_CHECKING:
     from station.hw.franka.simulated.arm_modes import ArmModes
     from station.hw.franka.simulated.arm_motors import ArmMotors
+    from station.hw.franka.simulated.contact_estimate import ContactEstimate
     from station.hw.franka.simulated.franka_dynamics import ArmLoad
     from station.hw.franka.simulated.sensor_faults import SensorFaults
 
@@ -46,10 +51,10 @@ _WINDOW = 100
 # Joint damping while a person guides the arm [Nm s/rad].
 _GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
 # As C numbers, by the .pxd.
-_IDLE = modes.IDLE
-_MOVE = modes.MOVE
-_GUIDING = modes.GUIDING
-_RECOVERY = modes.RECOVERY
+_IDLE = codes.IDLE
+_MOVE = codes.MOVE
+_GUIDING = codes.GUIDING
+_RECOVERY = codes.RECOVERY
 _NO_MOTION = codes.NO_MOTION
 _POSITIONS = codes.POSITIONS
 _VELOCITIES = codes.VELOCITIES
@@ -57,6 +62,75 @@ _CARTESIAN = codes.CARTESIAN
 _POSE = 16
 _CONTACT = CONTACT
 _VIOLATION = VIOLATION
+_TOUCHED = TOUCHED
+_ASKS = WEAK | LOST
+
+# As many as libfranka keeps by default.
+CYCLES_KEPT = 50
+"""Number of cycles kept."""
+LONGEST_COMMAND = 16
+"""Largest number of values in a command."""
+
+
+class CycleLog:
+    """Keeps time, state and command of the last cycles. No allocation.
+
+    Args:
+        states: State of the joints: quantities that lie side by side, shape (k n,).
+        size: Number n of joints.
+
+    Attributes:
+        count: Number of cycles noted since the last `clear`.
+        command: Memory that begins with the last command, of at most `LONGEST_COMMAND`
+            doubles.
+        command_size: Number of values in it.
+    """
+
+    def __init__(self, states: Doubles, size: int) -> None:
+        self.states = states
+        self.size = size
+        self.capacity = CYCLES_KEPT
+        self.command = own_zeros(LONGEST_COMMAND)
+        self.command_size = 0
+        self.width = 1 + len(states)
+        self.rows = zeros(CYCLES_KEPT * self.width)
+        self.commands = own_zeros(CYCLES_KEPT * LONGEST_COMMAND)
+        self.command_sizes = own_zeros(CYCLES_KEPT)
+        self.count = 0
+
+    def clear(self) -> None:
+        """Forget all cycles."""
+        self.count = 0
+
+    def note(self, time: float) -> None:
+        """Keep this cycle.
+
+        Args:
+            time: Time of the arm [s].
+        """
+        place = self.count % self.capacity
+        start = place * self.width
+        self.rows[start] = time
+        copy_into(self.rows, start + 1, self.states, self.width - 1)
+        command = self.command
+        copy_into(self.commands, place * LONGEST_COMMAND, command, len(command))
+        self.command_sizes[place] = self.command_size
+        self.count += 1
+
+    def cycles(self) -> list[tuple[float, list[list[float]], list[float]]]:
+        """Return time, the k quantities and the command, oldest cycle first."""
+        found = []
+        for number in range(max(0, self.count - CYCLES_KEPT), self.count):
+            place = number % CYCLES_KEPT
+            start = place * self.width
+            row = [self.rows[i] for i in range(start, start + self.width)]
+            firsts = range(1, self.width, self.size)
+            state = [row[first : first + self.size] for first in firsts]
+            first = place * LONGEST_COMMAND
+            last = first + int(self.command_sizes[place])
+            command = [self.commands[i] for i in range(first, last)]
+            found.append((row[0], state, command))
+        return found
 
 
 class ArmStep(Preparation):
@@ -78,20 +152,25 @@ class ArmStep(Preparation):
         watch: Compares the readings with their limits.
         log: The last cycles.
         simulator: The simulator's memory of the joints.
+        world: The world's steps.
 
     Attributes:
-        modes: The modes of the arm; set before the first step.
+        modes: The modes of the arm; set before the first step, as the next two.
+        contact: Estimates contacts.
+        observer: Disturbs the readings; None for an ideal arm.
         generator: Kind of the commands of the motion.
         wants_torques: Whether the motion commands torques.
         has_load: Whether a load is configured.
         has_faults: Whether a simulated fault acts.
         is_following: Whether an internal controller follows the desired motion.
+        is_quiet: Whether nothing touches the arm; else it is supervised in every cycle.
         is_fresh: Whether a command has arrived since the last cycle.
         is_begun: Whether a command of this motion has been followed.
         is_lossy: Whether commands were lost in the last cycles.
-        plan: Where commands come from that the arm gives itself; None if from a client.
+        plan: Source of the arm's own commands; None if a client commands it.
         cycle: Number of cycles with or without a command since the motion began.
         time: Time of the arm at the last state [s].
+        seen: Number of the world's step after which the joints were read last.
     """
 
     def __init__(
@@ -109,6 +188,7 @@ class ArmStep(Preparation):
         watch: JointWatch,
         log: CycleLog,
         simulator: SimulatorMemory,
+        world: WorldStep,
     ) -> None:
         self.memory = memory
         self.size = memory.size
@@ -125,11 +205,17 @@ class ArmStep(Preparation):
         self.watch = watch
         self.log = log
         self.simulator = simulator
+        self.world = world
+        self.steps = self.seen = world.count
         self.modes: ArmModes
+        self.contact: ContactEstimate
+        self.observer: FrictionAndObserver | None = None
+        self.ddq = [0.0] * self.size
         self.wants_torques = False
         self.has_load = False
         self.has_faults = False
         self.is_following = False
+        self.is_quiet = True
         self.time = 0.0
         self.settling = 0
         self.begin_motion(codes.NO_MOTION)
@@ -138,7 +224,7 @@ class ArmStep(Preparation):
         """Wait for the first command of a motion.
 
         Args:
-            generator: The kind of motion that is commanded, see `step_codes`.
+            generator: The kind of motion that is commanded, see `arm_codes`.
         """
         self.generator = generator
         self.is_fresh = self.is_begun = self.is_lossy = False
@@ -170,10 +256,10 @@ class ArmStep(Preparation):
             _refuse("joint commands", self.size, values)
 
     def plan_joints(self, q: Storage, fastest: Sequence[float]) -> None:
-        """Plan the way to positions, from the next cycle on.
+        """Plan the motion to positions, from the next cycle on.
 
         Args:
-            q: Where to go [rad], shape (7,).
+            q: Target positions [rad], shape (7,).
             fastest: Largest velocities, > 0 [rad/s], shape (7,).
 
         Raises:
@@ -213,7 +299,7 @@ class ArmStep(Preparation):
             put(self.cartesian.elbow_command, elbow)
             self.cartesian.has_elbow = True
 
-    def receive_end_effector(self, values: Doubles, size: int) -> bool:
+    def receive_end_effector(self, values: Storage, size: int) -> bool:
         """Take a pose, 16 numbers, or a twist, 6, without an elbow; see `receive`.
 
         Args:
@@ -232,8 +318,8 @@ class ArmStep(Preparation):
         Args:
             values: The command.
             size: How many numbers it must have.
-            place: Where it goes, shape (size,) or longer: torques [Nm], positions [rad]
-                or velocities [rad/s] of the joints, or what the end effector is to do.
+            place: Receives the command, shape (>= size,): torques [Nm], positions [rad]
+                or velocities [rad/s] of the joints, or a command of the end effector.
 
         Returns:
             Whether it certainly is that many finite numbers; if not, nothing has
@@ -361,7 +447,7 @@ class ArmStep(Preparation):
                     and not was_lossy
                     and not self.has_load
                     and not self.has_faults
-                    and not check.has_curves
+                    and not check.curves.size
                     and not self.motors.is_cartesian
                     and not self.cartesian.has_elbow
                 )
@@ -399,6 +485,40 @@ class ArmStep(Preparation):
             lost, most = float(self.lost_in_a_row), float(MOST_LOST_PACKETS - 1)
             self.violations.add(LOST_COMMANDS, 0, lost, most)
 
+    def read_state(self) -> RobotState:
+        """Let the world make its step if no other arm has; return the arm's state."""
+        world = self.world
+        self.steps += 1
+        while world.count < self.steps:
+            world.make_step()
+        steps = world.count
+        # After a late cycle another arm has led the world on: this state was read
+        # already.
+        if self.seen >= steps:
+            return self.state
+        self.seen = steps
+        found = self.read_joints(steps * self.check.period)
+        observer = self.observer
+        if observer is not None:
+            if self.has_load:
+                self.contact.expect_load()
+            observed = observer.sense()
+            if observed & _TOUCHED:
+                self.is_quiet = False
+            if observed & _ASKS:
+                self.modes.react_to_observer(observed)
+        # What follows is plain Python, and is left out while nothing can have changed.
+        if (
+            found
+            or world.is_pushed
+            or world.stands_still
+            or self.has_load
+            or not self.is_quiet
+            or self.watch.is_alert
+        ):
+            self.modes.supervise(found)
+        return self.state
+
     def read_joints(self, time: float) -> int:
         """Read the joints after a step, and compare the readings with their limits.
 
@@ -408,17 +528,47 @@ class ArmStep(Preparation):
         Returns:
             A sum of `CONTACT` and `VIOLATION`; 0 when neither is the case.
         """
+        # Before the joints are read: the state still has the velocities of the last
+        # step.
+        if self.has_load:
+            self.note_accelerations()
         self.time = time
         self.motors.sense()
-        result, mode = 0, self.mode[0]
+        mode = self.mode[0]
+        contact = violation = 0
         if any_of(self.simulator.constraint_forces, self.size):
-            result = _CONTACT
+            contact = _CONTACT
         # In the other modes an error is present, or a person holds the arm: there is no
         # motion that another error could end.
         is_supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
         if is_supervised and self.watch.check_readings(self.is_following, True):  # noqa: FBT003 - C
-            result += _VIOLATION
-        return result
+            violation = _VIOLATION
+        self.state.time = time
+        if self.has_faults:
+            self.faults.disturb(self.state)
+        return contact | violation
+
+    def note_accelerations(self) -> None:
+        """Note how the velocities change in this step."""
+        velocities = zip(self.simulator.velocities, self.memory.dtheta, strict=True)
+        self.ddq = [(new - old) / self.check.period for new, old in velocities]
+
+    def load_torques(self) -> list[float] | None:
+        """Return the torques for the configured load [Nm], (7,); None without a load.
+
+        The accelerations are differences of the last two measured velocities.
+        """
+        if not self.has_load:
+            return None
+        q, dq = list(self.memory.positions), list(self.memory.dtheta)
+        return self.load.torques(q, dq, self.ddq)
+
+    def read_rest(self) -> None:
+        """Read the pose to which the world was set, with all velocities zero."""
+        state = self.state
+        state.dq = state.dtheta = [0.0] * self.size
+        state.q = state.theta = list(self.simulator.positions)
+        put(self.memory.positions, state.q)
 
 
 class StepReceiver(Receiver):
@@ -426,42 +576,23 @@ class StepReceiver(Receiver):
 
     Args:
         step: The arm's arithmetic.
-        memory: The memory of the arm's joints.
     """
 
-    def __init__(self, step: ArmStep, memory: JointMemory) -> None:
+    def __init__(self, step: ArmStep) -> None:
         self.step = step
-        self.memory = memory
 
-    def receive_torques(self, tau: Storage) -> bool:
-        """Return whether torques were taken."""
-        step, memory = self.step, self.memory
-        return step.wants_torques and step.receive(tau, memory.size, memory.torques)
-
-    def receive_positions(self, q: Storage) -> bool:
-        """Return whether positions were taken."""
-        return self.receive_target(q, _POSITIONS)
-
-    def receive_velocities(self, dq: Storage) -> bool:
-        """Return whether velocities were taken."""
-        return self.receive_target(dq, _VELOCITIES)
-
-    def receive_target(self, values: Storage, generator: int) -> bool:
-        """Return whether positions or velocities were taken.
-
-        Args:
-            values: The command, shape (7,).
-            generator: The motion that takes them, see `step_codes`.
-        """
-        step, memory = self.step, self.memory
-        if step.generator != generator:
-            return False
-        return step.receive(values, memory.size, memory.target)
-
-    def receive_pose(self, pose: Doubles) -> bool:
-        """Return whether a pose was taken."""
+    def receive(self, values: Storage, kind: int) -> bool:
+        """Return whether a command was taken."""
         step = self.step
-        return step.generator == _CARTESIAN and step.receive_end_effector(pose, _POSE)
+        if kind == _NO_MOTION:
+            return step.wants_torques and step.receive(
+                values, step.size, step.memory.torques
+            )
+        if kind != step.generator:
+            return False
+        if kind == _CARTESIAN:
+            return step.receive_end_effector(values, _POSE)
+        return step.receive(values, step.size, step.memory.target)
 
     def rests_at_pose(self) -> bool:
         """Return whether the end effector has come to rest at the last pose."""

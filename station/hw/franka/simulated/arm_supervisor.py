@@ -15,7 +15,7 @@ from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.franka_kinematics import zero_jacobian
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.hw.franka.simulated.cycle_log import CycleLog
+from station.hw.franka.simulated.arm_step import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.reports import ArmRecord
 

@@ -1,15 +1,26 @@
-"""One step of an arm along a pose or a twist: checks, joint 3, next positions.
+"""The motion of an arm's end effector: its state, and its steps along poses and twists.
+
+Six coordinates of the end effector do not determine the motion of seven joints. The
+position of one joint, the elbow, is therefore given too, which makes the motion unique.
 
 Source: Franka Control Interface documentation, Cartesian motion generators; differs:
 the inverse kinematics of the arm is not public; here it is a Newton step per cycle with
 the position of joint 3 as the seventh coordinate.
 """
 
+from collections.abc import Callable
+
 from station.core.franka.joint_memory import JointMemory
+from station.core.numerics.arm_chain import (
+    WrenchEquation,
+    new_links,
+    place_links,
+    torques_of,
+    twist_of,
+    zero_jacobian,
+)
 from station.core.numerics.command_rates import limited
-from station.core.numerics.rigid_motion import displace, twist_between
-from station.hw.franka.simulated.end_effector_state import EndEffectorState
-from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
+from station.core.numerics.rigid_motion import compose, displace, twist_between
 from station.hw.franka.simulated.motion_check import MotionCheck
 from station.hw.franka.simulated.violations import (
     ELBOW_SIGN,
@@ -18,7 +29,7 @@ from station.hw.franka.simulated.violations import (
     POSE_START,
     SOLVED_POSITION,
 )
-from station.memory.doubles import Doubles, zeros
+from station.memory.doubles import Doubles, own, zeros
 from station.memory.functions import square_root
 from station.memory.vectors import copy_into
 
@@ -28,6 +39,9 @@ START_ROTATION_TOLERANCE = 0.01
 """Largest angle between a first pose and O_T_EE_d [rad]; not published."""
 START_ELBOW_TOLERANCE = 0.01
 """Largest distance of a first elbow position from elbow_d [rad]; not published."""
+MAX_EXTENSION = -0.467002423653011
+"""Position of joint 4 at which the arm is stretched out most [rad]."""
+_EXTENSION = MAX_EXTENSION
 # Largest deviation from 1 of the length of a row or a column of a rotation.
 _UNIT_TOLERANCE = 1e-5
 # How many numbers of a command are a twist; any other command is a pose.
@@ -37,6 +51,12 @@ _TWIST_SIZE = 6
 _STILL_STEP = 1e-12
 _STILL_VELOCITY = 1e-9
 _STILL_ACCELERATION = 1e-6
+# Damping of a step, relative to the matrix: for full accuracy, and for poses near a
+# singularity, where an undamped step would be too large.
+FINE_DAMPING = 1e-9
+_COARSE_DAMPING = 1e-3
+# A step of a joint [rad] that is larger, 50 rad/s at 1 kHz, shows a singularity.
+_LARGEST_STEP = 0.05
 
 
 def is_transform(pose: Doubles) -> bool:
@@ -60,15 +80,149 @@ def is_transform(pose: Doubles) -> bool:
     return True
 
 
+class EndEffectorState:
+    """Pose, twist and elbow of an arm, measured, desired and commanded.
+
+    Args:
+        fields: Returns the memory of a field of the arm's state, which has libfranka's
+            names; the memory is kept.
+        chain: The arm's chain of n joints, see `arm_chain`.
+    """
+
+    def __init__(self, fields: Callable[[str], Doubles], chain: Doubles) -> None:
+        links = new_links(chain)
+        joints = len(chain) // 4 - 1
+        self.chain = chain
+        self.links = links
+        self.flange = links[16 * joints :]
+        self.jacobian = zeros(6 * joints)
+        self.q = fields("q")
+        self.q_d = fields("q_d")
+        self.dq_d = fields("dq_d")
+        self.ddq_d = fields("ddq_d")
+        self.tool = fields("F_T_EE")
+        self.pose = fields("O_T_EE")
+        self.pose_d = fields("O_T_EE_d")
+        self.pose_c = fields("O_T_EE_c")
+        self.twist_d = fields("O_dP_EE_d")
+        self.twist_c = fields("O_dP_EE_c")
+        self.rate_c = fields("O_ddP_EE_c")
+        self.elbow = fields("elbow")
+        self.elbow_d = fields("elbow_d")
+        self.elbow_c = fields("elbow_c")
+        self.delbow_c = fields("delbow_c")
+        self.ddelbow_c = fields("ddelbow_c")
+
+    def refresh(self) -> None:
+        """Bring the measured and the desired fields up to date."""
+        place_links(self.chain, self.q, self.links)
+        compose(self.flange, self.tool, self.pose)
+        place_links(self.chain, self.q_d, self.links)
+        compose(self.flange, self.tool, self.pose_d)
+        zero_jacobian(self.links, self.pose_d, self.jacobian)
+        twist_of(self.jacobian, self.dq_d, self.twist_d)
+        bend(self.q, self.elbow)
+        bend(self.q_d, self.elbow_d)
+
+    def command_desired(self) -> None:
+        """Let the commanded fields follow the desired ones, which are up to date."""
+        for i in range(16):
+            self.pose_c[i] = self.pose_d[i]
+        for i in range(6):
+            self.twist_c[i] = self.twist_d[i]
+            self.rate_c[i] = 0.0
+        self.elbow_c[0], self.elbow_c[1] = self.elbow_d[0], self.elbow_d[1]
+        self.delbow_c[0], self.delbow_c[1] = self.dq_d[2], 0.0
+        self.ddelbow_c[0], self.ddelbow_c[1] = self.ddq_d[2], 0.0
+
+    def command_joint_motion(self) -> None:
+        """Make the desired joint motion the commanded motion of the end effector."""
+        self.refresh()
+        self.command_desired()
+        twist_of(self.jacobian, self.ddq_d, self.rate_c)
+
+
+def bend(q: Doubles, result: Doubles) -> None:
+    """Write an elbow: position of joint 3 [rad], and sign of joint 4's flip.
+
+    Args:
+        q: Joint positions [rad], shape (n,).
+        result: Where the elbow goes, shape (2,).
+    """
+    flip = q[3] - _EXTENSION
+    result[0] = q[2]
+    result[1] = 1.0 if flip > 0.0 else -1.0 if flip < 0.0 else 0.0
+
+
+class InverseKinematics:
+    """Newton steps of the joints towards a pose; every array is kept and not copied.
+
+    Args:
+        chain: The chain of n joints, see `arm_chain`.
+        q: Joint positions [rad], shape (n,).
+        tool: End effector in the flange frame, 16 numbers.
+        target: Pose to reach, 16 numbers.
+        step: Where a step goes [rad], shape (n,).
+    """
+
+    def __init__(
+        self, chain: Doubles, q: Doubles, tool: Doubles, target: Doubles, step: Doubles
+    ) -> None:
+        size = len(q)
+        self.chain = own(chain)
+        self.q = q
+        self.tool = tool
+        self.target = target
+        self.step = step
+        self.links = own(new_links(chain))
+        self.end = 16 * size
+        self.flange, self.pose = own([0.0] * 16), own([0.0] * 16)
+        self.jacobian = own([0.0] * (6 * size))
+        self.error, self.wrench = own([0.0] * 6), own([0.0] * 6)
+        self.equation = WrenchEquation()
+
+    def advance(self, elbow: float) -> None:
+        """Write the step that leads to the target, with joint 3 at a position [rad]."""
+        step, jacobian, error = self.step, self.jacobian, self.error
+        place_links(self.chain, self.q, self.links)
+        copy_into(self.flange, 0, self.links[self.end :], 16)
+        compose(self.flange, self.tool, self.pose)
+        zero_jacobian(self.links, self.pose, jacobian)
+        twist_between(self.pose, self.target, 1.0, error)
+        bend = elbow - self.q[2]
+        # Joint 3 has its position already: its column leaves the equation, and its
+        # share of the way leaves the error.
+        for k in range(12, 18):
+            error[k - 12] -= bend * jacobian[k]
+            jacobian[k] = 0.0
+        self.solve(FINE_DAMPING)
+        largest = _LARGEST_STEP
+        lowest = -largest
+        for joint in range(len(step)):
+            if not lowest < step[joint] < largest:
+                self.solve(_COARSE_DAMPING)
+                break
+        step[2] = bend
+
+    def solve(self, damping: float) -> None:
+        """Write the least motion of the joints that corrects the error."""
+        if self.equation.factorise(self.jacobian, damping):
+            self.equation.solve(self.error, self.wrench)
+            torques_of(self.jacobian, self.wrench, self.step)
+        else:
+            for joint in range(len(self.step)):
+                self.step[joint] = 0.0
+
+
 class CartesianStep:
     """The motion of an arm's end effector, a cycle at a time.
 
     Args:
         memory: State and commands of the joints.
-        kinematics: Leads from `q_d` towards its target, which is the next pose.
         check: Compares commanded motions with the limits.
-        state: The end effector; its commanded pose, twist and elbow are those of the
-            last cycle.
+        fields: Returns the memory of a field of the arm's state; the commanded pose,
+            twist and elbow are those of the last cycle.
+        chain: The arm's chain of n joints, see `arm_chain`.
         period: Duration of a cycle, > 0 [s].
 
     Attributes:
@@ -85,21 +239,24 @@ class CartesianStep:
     def __init__(
         self,
         memory: JointMemory,
-        kinematics: InverseKinematics,
         check: MotionCheck,
-        state: EndEffectorState,
+        fields: Callable[[str], Doubles],
+        chain: Doubles,
         period: float,
     ) -> None:
         self.memory = memory
-        self.kinematics = kinematics
         self.check = check
-        self.state = state
+        self.state = EndEffectorState(fields, chain)
+        self.next_pose = zeros(16)
+        # Leads from `q_d` towards the next pose.
+        self.kinematics = InverseKinematics(
+            chain, memory.q_d, fields("F_T_EE"), self.next_pose, zeros(memory.size)
+        )
         self.period = period
         self.command = zeros(16)
         self.size = 0
         self.elbow_command = zeros(2)
         self.has_elbow = False
-        self.next_pose = kinematics.target
         self.next_twist = zeros(6)
         self.next_elbow = zeros(3)
         self.is_settled = False

@@ -9,7 +9,6 @@ those of the simulation, so nothing is estimated but the load.
 """
 
 import random
-from collections.abc import Callable, Sequence
 from math import pi
 
 import numpy as np
@@ -25,8 +24,10 @@ from station.hw.franka.arm.collision_behavior import (
     DEFAULT_COLLISION_BEHAVIOR,
     NEAR,
     collision_error,
+    thresholds_of,
 )
 from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose, zero_jacobian
+from station.hw.franka.simulated.arm_step import ArmStep
 from station.hw.franka.simulated.friction_and_observer import (
     LOST,
     WEAK,
@@ -62,12 +63,10 @@ class ContactEstimate:
         state: The arm's state; the fields from `tau_ext_hat_filtered` to
             `cartesian_collision` are written.
         limits: The arm's limits.
-        load_torques: Returns the torques for the configured load [Nm], shape (7,), or
-            None when no load is configured.
+        step: The arm's cycle, which `update` is a part of until it is quiet.
 
     Attributes:
         behavior: The thresholds.
-        is_quiet: Whether nothing touches the arm.
         observer: Disturbs the readings in every cycle; None for an ideal arm.
         release: Share of its threshold below which a signal must fall before it can be
             a new collision, at most 1.
@@ -80,9 +79,8 @@ class ContactEstimate:
         joints: WorldJoints,
         state: RobotState,
         limits: ArmLimits,
-        load_torques: Callable[[], list[float] | None],
+        step: ArmStep,
     ) -> None:
-        self.is_quiet = True
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
         self.observer: FrictionAndObserver | None = None
         self._joints = joints
@@ -91,7 +89,7 @@ class ContactEstimate:
             joints.timestep + 1.0 / (2.0 * pi * CUTOFF_FREQUENCY)
         )
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
-        self._load_torques = load_torques
+        self._step = step
         self.release = 1.0
         self.release_cycles = 1
         # Excess over its threshold that each signal may have without a new collision:
@@ -109,8 +107,8 @@ class ContactEstimate:
     def update(self) -> list[ArmError]:
         """Bring torques, wrench and contacts up to date; return the new collisions."""
         external = self._joints.read_external_forces()
-        load = self._load_torques()
-        if self.is_quiet and load is None and not any(external):
+        load = self._step.load_torques()
+        if self._step.is_quiet and load is None and not any(external):
             return []
         state, gain = self._state, self._gain
         hat = state.doubles("tau_ext_hat_filtered")
@@ -119,8 +117,8 @@ class ContactEstimate:
         for i, force in enumerate(external):
             hat[i] += gain * (-force - needed[i] - hat[i])
             largest = max(largest, abs(hat[i]))
-        self.is_quiet = largest < _NEGLIGIBLE
-        if self.is_quiet:
+        self._step.is_quiet = largest < _NEGLIGIBLE
+        if self._step.is_quiet:
             put(hat, _ZEROS)
         self._update_wrench()
         return self._update_levels()
@@ -136,20 +134,20 @@ class ContactEstimate:
     def reset(self) -> None:
         """Start again without any contact."""
         self._state.tau_ext_hat_filtered = _ZEROS
-        self.is_quiet = True
+        self._step.is_quiet = True
         self._known = [0.0] * 13
         self._lasts = False
         self._update_wrench()
         self._update_levels()
 
     def renew(self) -> None:
-        """Take new frames over; nothing is kept that depends on them."""
+        """Take new frames over, and drop every value that depends on them."""
 
     def expect_load(self) -> None:
         """Take over the torques for the configured load; `update` asks for them."""
 
     def react_to(self, found: int) -> bool:
-        """Serve the requests of an observer; there is none here.
+        """Serve the requests of an observer; here there is no observer.
 
         Args:
             found: Result of `FrictionAndObserver.sense`, not 0.
@@ -162,7 +160,7 @@ class ContactEstimate:
 
     def _update_wrench(self) -> None:
         state = self._state
-        if self.is_quiet:
+        if self._step.is_quiet:
             state.O_F_ext_hat_K = state.K_F_ext_hat_K = [0.0] * 6
             return
         pose = frame_pose(Frame.STIFFNESS, state.theta, state.F_T_EE, state.EE_T_K)
@@ -195,58 +193,37 @@ class ContactEstimate:
         as a collision that fades: noise alone may lift it over the threshold.
         """
         state = self._state
-        torques, forces = self._thresholds(upper=True)
         return [
             max(_FADING, abs(value) - bound)
             if abs(value) > self.release * bound
             else 0.0
             for value, bound in zip(
                 (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K),
-                (*torques, *forces),
+                self._thresholds("upper"),
                 strict=True,
             )
         ]
 
-    def _thresholds(
-        self, *, upper: bool
-    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        chosen = self.behavior
-        if any(
-            abs(ddq) > bound
-            for ddq, bound in zip(self._state.ddq_d, self._accelerating, strict=True)
-        ):
-            if upper:
-                return (
-                    chosen.upper_torque_thresholds_acceleration,
-                    chosen.upper_force_thresholds_acceleration,
-                )
-            return (
-                chosen.lower_torque_thresholds_acceleration,
-                chosen.lower_force_thresholds_acceleration,
-            )
-        if upper:
-            return (
-                chosen.upper_torque_thresholds_nominal,
-                chosen.upper_force_thresholds_nominal,
-            )
-        return (
-            chosen.lower_torque_thresholds_nominal,
-            chosen.lower_force_thresholds_nominal,
-        )
+    def _thresholds(self, bound: str) -> tuple[float, ...]:
+        pairs = zip(self._state.ddq_d, self._accelerating, strict=True)
+        is_accelerating = any(abs(ddq) > most for ddq, most in pairs)
+        phase = "acceleration" if is_accelerating else "nominal"
+        return thresholds_of(self.behavior, bound, phase)
 
     def _update_levels(self) -> list[ArmError]:
         state = self._state
-        torques, forces = self._thresholds(upper=False)
-        state.joint_contact = _levels(state.tau_ext_hat_filtered, torques)
-        state.cartesian_contact = _levels(state.K_F_ext_hat_K, forces)
-        torques, forces = self._thresholds(upper=True)
         values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
+        levels = [
+            1.0 if abs(value) > bound else 0.0
+            for value, bound in zip(values, self._thresholds("lower"), strict=True)
+        ]
+        state.joint_contact, state.cartesian_contact = levels[:7], levels[7:]
         found: list[ArmError] = []
         if self._lasts:
             self._released = 0 if any(self._collisions()) else self._released + 1
             self._lasts = self._released < self.release_cycles
             self._known = [max(known, _FADING) for known in self._known]
-        for i, bound in enumerate((*torques, *forces)):
+        for i, bound in enumerate(self._thresholds("upper")):
             excess = max(0.0, abs(values[i]) - bound)
             # The contact in which the arm recovered must grow by a whole threshold, or
             # it would end every recovery at once.
@@ -262,13 +239,6 @@ class ContactEstimate:
             )
             self._known[i] = min(self._known[i], max(excess, _FADING if fading else 0))
         return found
-
-
-def _levels(values: Sequence[float], bounds: Sequence[float]) -> list[float]:
-    return [
-        1.0 if abs(value) > bound else 0.0
-        for value, bound in zip(values, bounds, strict=True)
-    ]
 
 
 _NUMBERS = 16381
@@ -300,7 +270,7 @@ class MomentumObserver(ContactEstimate):
         joints: The arm's joints in the world.
         state: The arm's state.
         limits: The arm's limits.
-        load_torques: As for `ContactEstimate`.
+        step: As for `ContactEstimate`.
         realism: Disturbances of the arm.
         memory: State of the joints.
         simulator: The simulator's memory of the joints.
@@ -315,26 +285,24 @@ class MomentumObserver(ContactEstimate):
         joints: WorldJoints,
         state: RobotState,
         limits: ArmLimits,
-        load_torques: Callable[[], list[float] | None],
+        step: ArmStep,
         realism: Realism,
         memory: JointMemory,
         simulator: SimulatorMemory,
     ) -> None:
-        super().__init__(joints, state, limits, load_torques)
+        super().__init__(joints, state, limits, step)
         self.observer: FrictionAndObserver = FrictionAndObserver(
             memory,
             simulator,
+            realism,
+            fields=state.doubles,
             chain=CHAIN,
-            tool=state.doubles("F_T_EE"),
-            stiffness_frame=state.doubles("EE_T_K"),
             noise=_random_numbers(realism.seed),
-            estimate=state.doubles("tau_ext_hat_filtered"),
-            theta=state.doubles("theta"),
-            wrench=state.doubles("O_F_ext_hat_K"),
-            turned=state.doubles("K_F_ext_hat_K"),
             period=joints.timestep,
         )
-        _set(self.observer, realism, joints.timestep)
+        self.observer.reach = _REACH
+        self.observer.singular, self.observer.reliable = SINGULAR, _RELIABLE
+        self.observer.lasting_gain = joints.timestep / (joints.timestep + _LASTING)
         self._torque_error = realism.torque_error
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
@@ -352,14 +320,8 @@ class MomentumObserver(ContactEstimate):
     @override
     def set_behavior(self, behavior: CollisionBehavior) -> None:
         super().set_behavior(behavior)
-        nominal = (
-            *behavior.lower_torque_thresholds_nominal,
-            *behavior.lower_force_thresholds_nominal,
-        )
-        accelerating = (
-            *behavior.lower_torque_thresholds_acceleration,
-            *behavior.lower_force_thresholds_acceleration,
-        )
+        nominal = thresholds_of(behavior, "lower", "nominal")
+        accelerating = thresholds_of(behavior, "lower", "acceleration")
         # The smaller one: the observer only asks for `update`, which knows whether the
         # motion accelerates, and decides.
         put(self.observer.lower, map(min, nominal, accelerating))
@@ -375,7 +337,7 @@ class MomentumObserver(ContactEstimate):
 
     @override
     def update(self) -> list[ArmError]:
-        if self.is_quiet:
+        if self._step.is_quiet:
             return []
         if self._state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
             # The arm only brakes and comes to rest; a hand that bounces off a table and
@@ -386,14 +348,14 @@ class MomentumObserver(ContactEstimate):
             self._lasts = self._lasts or any(self._known)
         found = self._update_levels()
         state = self._state
-        self.is_quiet = not (
+        self._step.is_quiet = not (
             any(state.joint_contact) or any(state.cartesian_contact) or any(self._known)
         )
         return found
 
     @override
     def expect_load(self) -> None:
-        put(self.observer.expected, self._load_torques() or [0.0] * 7)
+        put(self.observer.expected, self._step.load_torques() or [0.0] * 7)
 
     @override
     def recover(self) -> None:
@@ -449,23 +411,3 @@ class MomentumObserver(ContactEstimate):
 def _random_numbers(seed: int) -> Doubles:
     dice = random.Random(seed)
     return doubles(dice.gauss(0.0, 1.0) for _ in range(_NUMBERS))
-
-
-def _set(observer: FrictionAndObserver, realism: Realism, period: float) -> None:
-    put(observer.level, realism.friction_level)
-    put(observer.slope, realism.friction_slope)
-    put(observer.shift, realism.friction_shift)
-    put(observer.viscous, realism.viscous)
-    observer.stribeck_velocity = realism.stribeck_velocity
-    observer.presliding = realism.presliding
-    put(observer.static_friction, realism.static_friction)
-    put(observer.compliance, [1.0 / stiffness for stiffness in realism.joint_stiffness])
-    put(observer.torque_noise, realism.torque_noise)
-    put(observer.torque_bias, realism.torque_bias)
-    put(observer.velocity_noise, realism.velocity_noise)
-    put(observer.model_error, realism.model_error)
-    observer.reach = _REACH
-    observer.singular, observer.reliable = SINGULAR, _RELIABLE
-    observer.lasting_gain = period / (period + _LASTING)
-    observer.gain = period / (period + 1.0 / (2.0 * pi * realism.observer_frequency))
-    observer.settle()

@@ -56,9 +56,9 @@ class FingerSensor:
 
     Args:
         simulator: The simulator's memory of the first finger.
-        positions: Where the position of each finger is written [m], shape (n,).
-        velocities: Where the velocity of each finger is written [m/s].
-        efforts: Where the force on each finger is written [N].
+        positions: Receives the position of each finger [m], shape (n,).
+        velocities: Receives the velocity of each finger [m/s].
+        efforts: Receives the force on each finger [N].
     """
 
     def __init__(

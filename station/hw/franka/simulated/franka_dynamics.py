@@ -143,12 +143,13 @@ class FrankaDynamics:
         ]
 
     def is_new(self, what: int, arguments: bytes = b"") -> bool:
-        """Return whether something must be computed anew; note that it is.
+        """Return whether a quantity must be computed anew; note that it is computed.
 
         Two controllers that ask the same in a cycle cost one computation.
 
         Args:
-            what: A number for what is computed; those of the frames are for Jacobians.
+            what: Number of the computed quantity; those of the frames are for
+                Jacobians.
             arguments: Further numbers that it depends on, as bytes.
         """
         wanted = (self._dynamics.version, arguments)
@@ -187,7 +188,7 @@ class FrankaDynamics:
 
         Args:
             state: The arm's state; read in every cycle.
-            load: Returns what it carries; called when that may have changed.
+            load: Returns the load; called when it may have changed.
         """
         q, dq = state.doubles("q"), state.doubles("dq")
         center, inertia = state.doubles("F_x_Ctotal"), state.doubles("I_total")

@@ -1,9 +1,8 @@
 from station.core.franka.joint_memory cimport JointMemory
 from station.hw.mujoco.simulator_memory cimport SimulatorMemory
 from station.hw.mujoco.world_step cimport Preparation
-from station.core.numerics.arm_chain cimport place_links, zero_jacobian
+from station.core.numerics.arm_chain cimport WrenchEquation, place_links, zero_jacobian
 from station.core.numerics.rigid_motion cimport compose
-from station.core.numerics.wrench_equation cimport WrenchEquation
 from station.memory.functions cimport exponential
 
 cdef int _WEAK, _TOUCHED, _LOST
@@ -18,23 +17,18 @@ cdef class FrictionAndObserver(Preparation):
     cdef double[::1] wrench, turned, offset, velocity, change, momentum
     cdef double period, rate, following
     cdef readonly double[::1] level, slope, shift, static_friction, compliance, bristle
-    cdef readonly double[::1] viscous
-    cdef readonly double[::1] torque_noise, torque_bias, velocity_noise, model_error
-    cdef readonly double[::1] expected, lower, jacobian, pose, place, directions, shares
-    cdef readonly double[::1] doubt, lasting
+    cdef readonly double[::1] viscous, torque_noise, torque_bias, velocity_noise
+    cdef readonly double[::1] model_error, expected, lower, jacobian, pose, place
+    cdef readonly double[::1] directions, shares, doubt, lasting
     cdef public double stribeck_velocity, presliding, reach, gain, singular, reliable
     cdef public double lasting_gain
     cdef readonly bint has_wrench
     cdef public Py_ssize_t weak
     cdef Py_ssize_t drawn
     cdef public long cycles_to_loss
-    cpdef settle(self)
-    cpdef rest(self)
-    cpdef bint renew_jacobian(self)
-    cpdef bint factorise_jacobian(self)
     cpdef int sense(self)
-    cpdef disturb(self)
-    cpdef observe(self)
-    cpdef compute_wrench(self)
-    cpdef doubt_wrench(self)
-    cpdef bint is_touched(self)
+    cdef disturb(self)
+    cdef observe(self)
+    cdef compute_wrench(self)
+    cdef doubt_wrench(self)
+    cdef bint is_touched(self)

@@ -20,14 +20,25 @@ Errors of sensors and model change slowly, a blow does not. So what lasts is lef
 the wrench there as far as errors explain it, and what is sudden shows in full.
 """
 
+from collections.abc import Callable
+from math import pi
+from typing import TYPE_CHECKING
+
 from station.core.franka.joint_memory import JointMemory
-from station.core.numerics.arm_chain import new_links, place_links, zero_jacobian
+from station.core.numerics.arm_chain import (
+    WrenchEquation,
+    new_links,
+    place_links,
+    zero_jacobian,
+)
 from station.core.numerics.rigid_motion import compose
-from station.core.numerics.wrench_equation import WrenchEquation
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_step import Preparation
-from station.memory.doubles import Doubles, own, zeros
+from station.memory.doubles import Doubles, doubles, own, zeros
 from station.memory.functions import exponential
+
+if TYPE_CHECKING:
+    from station.hw.franka.simulated.realism import Realism
 
 WEAK = 1
 """The Jacobian was computed anew, and small torques make a large wrench at it."""
@@ -51,14 +62,11 @@ class FrictionAndObserver(Preparation):
         memory: State of the joints; the velocities and torques are disturbed.
         simulator: The simulator's memory of the joints, which follow one another from
             a fixed base.
+        realism: The friction of the joints, and the errors of sensors and model.
+        fields: Returns the memory of a field of the arm's state, which has libfranka's
+            names; the memory is kept.
         chain: The arm's chain of n joints, see `arm_chain`.
-        tool: End effector in the flange frame, 16 numbers; kept.
-        stiffness_frame: Stiffness frame in the end effector frame; kept.
         noise: Random numbers of mean 0 and variance 1, used over and over.
-        estimate: Where the estimated external torques go [Nm], shape (n,).
-        theta: Where the positions of the motors go [rad], shape (n,).
-        wrench: Where the wrench goes, in the axes of the base [N, Nm], shape (6,).
-        turned: Where it goes in the axes of the stiffness frame, shape (6,).
         period: Duration of a cycle [s], > 0.
 
     Attributes:
@@ -96,53 +104,52 @@ class FrictionAndObserver(Preparation):
         self,
         memory: JointMemory,
         simulator: SimulatorMemory,
+        realism: "Realism",
         *,
+        fields: Callable[[str], Doubles],
         chain: Doubles,
-        tool: Doubles,
-        stiffness_frame: Doubles,
         noise: Doubles,
-        estimate: Doubles,
-        theta: Doubles,
-        wrench: Doubles,
-        turned: Doubles,
         period: float,
     ) -> None:
         size = self.size = memory.size
         self.memory = memory
         self.simulator = simulator
         self.chain = own(chain)
-        self.tool = tool
-        self.stiffness_frame = stiffness_frame
+        self.tool = fields("F_T_EE")
+        self.stiffness_frame = fields("EE_T_K")
         self.links = new_links(chain)
         self.flange = self.links[16 * size :]
         self.noise = noise
-        self.estimate = estimate
-        self.theta = theta
-        self.wrench = wrench
-        self.turned = turned
+        self.estimate = fields("tau_ext_hat_filtered")
+        self.theta = fields("theta")
+        self.wrench = fields("O_F_ext_hat_K")
+        self.turned = fields("K_F_ext_hat_K")
         self.period = period
         self.rate = 1.0 / period
-        self.level = zeros(size)
-        self.slope = zeros(size)
-        self.shift = zeros(size)
-        self.viscous = zeros(size)
-        self.offset = zeros(size)
-        self.static_friction = zeros(size)
-        self.stribeck_velocity = 1.0
-        self.presliding = 1.0
+        self.level = doubles(realism.friction_level)
+        self.slope = doubles(realism.friction_slope)
+        self.shift = doubles(realism.friction_shift)
+        self.viscous = doubles(realism.viscous)
+        rows = zip(self.level, self.slope, self.shift, strict=True)
+        self.offset = doubles(
+            level / (1.0 + exponential(-slope * shift)) for level, slope, shift in rows
+        )
+        self.static_friction = doubles(realism.static_friction)
+        self.stribeck_velocity = realism.stribeck_velocity
+        self.presliding = realism.presliding
         self.bristle = zeros(size)
-        self.compliance = zeros(size)
-        self.torque_noise = zeros(size)
-        self.torque_bias = zeros(size)
-        self.velocity_noise = zeros(size)
-        self.model_error = zeros(size)
+        self.compliance = doubles(1.0 / one for one in realism.joint_stiffness)
+        self.torque_noise = doubles(realism.torque_noise)
+        self.torque_bias = doubles(realism.torque_bias)
+        self.velocity_noise = doubles(realism.velocity_noise)
+        self.model_error = doubles(realism.model_error)
         self.expected = zeros(size)
         self.lower = zeros(size + 6)
         self.jacobian = zeros(6 * size)
         self.pose = zeros(16)
         self.place = zeros(size)
         self.reach = 0.0
-        self.gain = 1.0
+        self.gain = period / (period + 1.0 / (2.0 * pi * realism.observer_frequency))
         self.singular = 0.0
         self.reliable = 0.0
         self.has_wrench = False
@@ -159,13 +166,6 @@ class FrictionAndObserver(Preparation):
         self.velocity = zeros(size)  # as measured
         self.change = zeros(size)
         self.momentum = zeros(size)
-
-    def settle(self) -> None:
-        """Take the friction's parameters over."""
-        for i in range(self.size):
-            self.offset[i] = self.level[i] / (
-                1.0 + exponential(-self.slope[i] * self.shift[i])
-            )
 
     def rest(self) -> None:
         """Begin anew at rest: no estimate, and the first random numbers again."""

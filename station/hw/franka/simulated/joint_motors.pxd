@@ -16,4 +16,3 @@ cdef class JointMotors:
     cpdef apply_torques(self)
     cpdef apply_impedance(self, bint notes)
     cpdef sense(self)
-    cpdef differentiate(self)

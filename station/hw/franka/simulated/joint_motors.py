@@ -108,7 +108,7 @@ class JointMotors:
         """Let the motors follow the desired motion.
 
         Args:
-            notes: Whether to note as `tau_J_d` what the impedance asks for, within the
+            notes: Whether to note the torques of the impedance as `tau_J_d`, within the
                 limits.
         """
         memory = self.memory

@@ -1,4 +1,3 @@
-cimport cython
 from station.core.numerics.arm_chain cimport place_links, twist_of, zero_jacobian
 from station.hw.franka.arm.capsules cimport LinkDistances
 from station.hw.franka.arm.velocity_curves cimport VelocityCurves
@@ -14,19 +13,16 @@ cdef class JointWatch:
     cdef readonly Violations violations
     cdef JointMemory memory
     cdef object limits
-    cdef bint has_curves
     cdef VelocityCurves curves
     cdef double[::1] chain, tool, links, flange, pose, desired, jacobian, twist, lower
-    cdef double[::1] upper, slack, slowest, fastest, torque, walls
+    cdef double[::1] upper, slowest, fastest, torque, walls
     cdef double reach_in_a_cycle, speed, power, translation, rotation, elbow
     cdef double least_distance
     cdef LinkDistances distances
     cdef public double room
     cdef public bint is_alert
-    @cython.locals(away=double, is_slow=bint)
     cpdef bint check_readings(self, bint is_following, bint has_moved)
     cdef check_distances(self)
-    cdef bend_velocity_limits(self)
     cdef check_speed(self)
     cdef check_deviation(self)
     cdef void place(self, double[::1] q, double[::1] pose) noexcept

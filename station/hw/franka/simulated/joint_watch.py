@@ -70,7 +70,6 @@ class JointWatch:
         self.memory = memory
         self.size = memory.size
         self.limits = limits
-        self.has_curves = bool(limits.curves)
         self.chain = own(chain)
         self.tool = tool
         self.links = new_links(chain)
@@ -85,11 +84,13 @@ class JointWatch:
         factor = thresholds.velocity_factor
         # Taken from the largest velocity: a limit that depends on the position goes to
         # 0, where a share of it would leave no room for noise.
-        self.slack = own([value * factor - value for value in limits.velocity])
-        pairs = [*zip(limits.velocity, self.slack, strict=True)]
+        slack = [value * factor - value for value in limits.velocity]
+        pairs = [*zip(limits.velocity, slack, strict=True)]
         self.slowest = own([-value - slack for value, slack in pairs])
         self.fastest = own([value + slack for value, slack in pairs])
-        self.curves = VelocityCurves(limits.velocity, limits.curves)
+        self.curves = VelocityCurves(
+            limits.velocity, limits.curves, [-value for value in slack]
+        )
         self.torque = own([value * thresholds.torque_factor for value in limits.torque])
         self.reach_in_a_cycle = _REACH * period
         self.speed = limits.translation.velocity * factor
@@ -122,8 +123,8 @@ class JointWatch:
         # How far a joint of 1 rad/s may have moved any point of the arm.
         reach = self.reach_in_a_cycle if has_moved else 0.0
         violations.count = 0
-        if self.has_curves:
-            self.bend_velocity_limits()
+        if self.curves.size:  # where the joints are
+            self.curves.put(memory.positions, slowest, fastest)
         for i in range(self.size):
             position, velocity, torque = q[i], dq[i], tau[i]
             # Written with `not`, so that NaN violates the limit.
@@ -146,8 +147,9 @@ class JointWatch:
             total += velocity
             power += velocity * torque
             if is_following:
-                away += abs(position - q_d[i])
-        is_slow = total * _REACH < self.speed
+                distance = position - q_d[i]
+                away += distance if distance > 0.0 else -distance
+        is_fast = not total * _REACH < self.speed
         is_close = not is_following or not (
             away * _REACH > self.translation
             or away > self.rotation
@@ -159,9 +161,9 @@ class JointWatch:
         self.room -= total * reach
         if not self.room > 0.0:
             self.check_distances()
-        if not (is_slow and is_close):
+        if is_fast or not is_close:
             self.place(q, self.pose)
-        if not is_slow:
+        if is_fast:
             self.check_speed()
         if power > self.power:
             violations.add(POWER, 0, power, self.power)
@@ -177,13 +179,6 @@ class JointWatch:
         )
         bound = fastest if velocity > 0.0 else slowest
         self.violations.add(MEASURED_VELOCITY, joint, velocity, bound)
-
-    def bend_velocity_limits(self) -> None:
-        """Compute the velocity limits where the joints are."""
-        slowest, fastest, slack = self.slowest, self.fastest, self.slack
-        self.curves.put(self.memory.positions, slowest, fastest)
-        for i in range(self.size):
-            slowest[i], fastest[i] = slowest[i] - slack[i], fastest[i] + slack[i]
 
     def check_distances(self) -> None:
         """Compare the distances of links and walls with their limits."""
@@ -232,7 +227,7 @@ class JointWatch:
             self.violations.add(DEVIATION, 2, bend, self.elbow)
 
     def place(self, q: Doubles, pose: Doubles) -> None:
-        """Write the poses of the links, and the one of the end effector to `pose`."""
+        """Write the poses of the links, and that of the end effector to `pose`."""
         place_links(self.chain, q, self.links)
         compose(self.flange, self.tool, pose)
 

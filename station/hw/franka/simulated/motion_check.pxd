@@ -3,31 +3,26 @@ from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.simulated.violations cimport Violations
 from station.memory.functions cimport square_root
 
-cdef double _ROUNDING, _AT_VELOCITY_LIMIT
+cdef double _ROUNDING
 
 cdef class MotionCheck:
     cdef readonly Py_ssize_t size
     cdef readonly Violations violations
     cdef JointMemory memory
     cdef object limits
-    cdef bint has_curves
     cdef VelocityCurves curves
     cdef double[::1] before, lower, upper, slowest, fastest, acceleration, jerk
     cdef double[::1] translation, rotation, elbow, reached
     cdef double torque_step, period
-    cpdef Py_ssize_t check_start(self)
     cpdef Py_ssize_t check_positions(self, int code)
     cpdef Py_ssize_t check_velocities(self)
     cdef Py_ssize_t check_joints(self, double[::1] q, double[::1] dq, int code)
-    cdef bend_velocity_limits(self, double[::1] q, double[::1] dq)
     cpdef Py_ssize_t check_torques(self)
     cpdef Py_ssize_t check_twist(
         self, double[::1] twist, double[::1] last, double[::1] last_rate)
     cdef check_part(
         self, Py_ssize_t first, double[::1] twist, double[::1] last,
         double[::1] last_rate, double[::1] bounds)
-    cpdef Py_ssize_t check_elbow(
-        self, double velocity, double acceleration, double jerk)
     cdef check_bounds(
         self, Py_ssize_t first, double velocity, double acceleration, double jerk,
         double[::1] bounds)

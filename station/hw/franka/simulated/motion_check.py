@@ -54,11 +54,11 @@ class MotionCheck:
         self.memory = memory
         self.size = memory.size
         self.limits = limits
-        self.has_curves = bool(limits.curves)
-        self.curves = VelocityCurves(limits.velocity, limits.curves)
+        margins = [-_AT_VELOCITY_LIMIT] * memory.size
+        self.curves = VelocityCurves(limits.velocity, limits.curves, margins)
         self.before = own_zeros(memory.size)
         # Limits that depend on the position bring the velocity to 0 before the limit.
-        room = inf if self.has_curves else _AT_LIMIT
+        room = inf if limits.curves else _AT_LIMIT
         self.lower = own([value - room for value in limits.lower])
         self.upper = own([value + room for value in limits.upper])
         room = _AT_VELOCITY_LIMIT
@@ -133,8 +133,11 @@ class MotionCheck:
         slowest, fastest = self.slowest, self.fastest
         accelerations, jerks, period = self.acceleration, self.jerk, self.period
         violations = self.violations
-        if self.has_curves:
-            self.bend_velocity_limits(q, dq)
+        if self.curves.size:
+            before = self.before
+            for i in range(self.size):
+                before[i] = q[i] - dq[i] * period
+            self.curves.put(before, slowest, fastest)
         if not cython.compiled:  # lists are read faster
             last_dq, last_ddq = last_dq.tolist(), last_ddq.tolist()  # type: ignore[assignment]
         for i in range(self.size):
@@ -157,16 +160,6 @@ class MotionCheck:
             if not -most <= jerk <= most:
                 violations.add(code + 3, i, jerk, self.limits.jerk[i])
         return violations.count
-
-    def bend_velocity_limits(self, q: Storage, dq: Storage) -> None:
-        """Compute the velocity limits where the joints are, before they go to `q`."""
-        before, slowest, fastest = self.before, self.slowest, self.fastest
-        for i in range(self.size):
-            before[i] = q[i] - dq[i] * self.period
-        self.curves.put(before, slowest, fastest)
-        for i in range(self.size):
-            slowest[i] -= _AT_VELOCITY_LIMIT
-            fastest[i] += _AT_VELOCITY_LIMIT
 
     def check_torques(self) -> int:
         """Compare the commanded torques with the limit of their rate.
@@ -213,7 +206,7 @@ class MotionCheck:
         """Compare one half of a twist with its limits; see `check_twist`.
 
         Args:
-            first: Where the half begins.
+            first: Index of the first number of the half.
             twist: The twist, shape (6,).
             last: Twist of the step before, shape (6,).
             last_rate: Rate of the twist in the step before, shape (6,).

@@ -21,19 +21,13 @@ from station.hw.franka.simulated.accelerometers import Accelerometers
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
-from station.hw.franka.simulated.arm_step import VIOLATION, StepReceiver
-from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
+from station.hw.franka.simulated.arm_step import StepReceiver
 from station.hw.mujoco.world import World
 from station.memory.direct_calls import call_directly
 from station.memory.doubles import Doubles, Storage
 from station.reports import ArmRecord
 
 _ZEROS = [0.0] * 7
-_SUPERVISED = (
-    RobotMode.IDLE,
-    RobotMode.MOVE,
-    RobotMode.AUTOMATIC_ERROR_RECOVERY,
-)
 
 
 class SimulatedArm(RobotArm):
@@ -73,25 +67,13 @@ class SimulatedArm(RobotArm):
         self.frames, self.load = parts.frames, parts.load
         self.motors, self.contact = parts.motors, parts.contact
         self.supervisor = parts.supervisor
-        self._faults, self._sensors = parts.faults, parts.sensors
+        self._faults = parts.faults
         self._motion, self._memory = parts.motion, parts.memory
         self._modes = ArmModes(world, parts, service_limits)
         self._step = parts.step
         self._step.modes = self._modes
         self._accelerometers = Accelerometers(self.state, self._memory)
-        self._cycles = SimulatedCycles(
-            self._step,
-            world.stepping,
-            state=self.state,
-            period=world.timestep,
-            contact=self.contact,
-            read_disturbed=self._sensors.read,
-            observer=self.contact.observer,
-            expect_load=self.contact.expect_load,
-            react=self._react_to_observer,
-            supervise=self._supervise,
-        )
-        call_directly(self, SimulatedArm, read_once=self._cycles.read)
+        call_directly(self, SimulatedArm, read_once=self._step.read_state)
         self.after_reset()
         # Preparations run in the order of their adding: friction acts before the arm.
         if self.contact.observer is not None:
@@ -100,11 +82,11 @@ class SimulatedArm(RobotArm):
 
     @override
     def read_once(self) -> RobotState:
-        return self._cycles.read()
+        return self._step.read_state()
 
     @override
     def receiver(self) -> StepReceiver:
-        return StepReceiver(self._step, self._memory)
+        return StepReceiver(self._step)
 
     @override
     def load_model(self) -> FrankaModel:
@@ -276,7 +258,7 @@ class SimulatedArm(RobotArm):
         A running motion goes on with its next command.
         """
         state = self.state
-        self._sensors.rest()
+        self._step.read_rest()
         self._accelerometers.forget()
         self._motion.seed(self._memory.positions, _ZEROS)
         self.motors.engage_joint_impedance()
@@ -288,37 +270,9 @@ class SimulatedArm(RobotArm):
         self.contact.reset()
         self.supervisor.expect_new_pose()
         self._modes.expect_command()
-        self._sensors.read(self._cycles.seen * self.cycle_time)
+        self._step.read_joints(self._step.seen * self.cycle_time)
         if self.contact.observer is not None:
             self.contact.observer.settle_elasticity()
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
-
-    def _react_to_observer(self, found: int) -> None:
-        """Serve the requests of the observer, e.g. the loss of a command."""
-        # Only a motion has commands that can be lost.
-        if self.contact.react_to(found) and self.state.robot_mode is RobotMode.MOVE:
-            self._faults.drop()
-            self._step.has_faults = True
-
-    def _supervise(self, found: int) -> None:
-        """Bring the contacts up to date, and find errors in the readings.
-
-        Args:
-            found: Result of `ArmStep.read_joints`.
-        """
-        has_diverged = self._world.diverged_because is not None
-        # First of all: the readings of a diverged world mean nothing.
-        if has_diverged and self.state.robot_mode is not RobotMode.OTHER:
-            self._modes.end_motion(RobotMode.OTHER)
-        errors = self.contact.update()
-        mode = self.state.robot_mode
-        if mode in _SUPERVISED:
-            errors = errors + self.supervisor.examine(
-                is_quiet=not found & VIOLATION,
-                is_following=self._step.is_following,
-                is_recovering=mode is RobotMode.AUTOMATIC_ERROR_RECOVERY,
-            )
-            if errors:
-                self._modes.raise_errors(errors)

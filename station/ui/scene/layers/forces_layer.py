@@ -114,7 +114,7 @@ class _Touch:
     """A point at which two bodies touch.
 
     Attributes:
-        text: Which bodies touch.
+        text: Names of the touching bodies.
         point: The point [m], shape (3,).
         force: On a link of a robot if one of the two bodies is one [N], shape (3,).
         is_of_robot: Whether one of the two bodies is a link of a robot.

@@ -107,7 +107,7 @@ class Layer(ABC):
         self.begin()
 
     def begin(self) -> None:  # noqa: B027 - a layer need not keep anything
-        """Make what the layer keeps from one call of `show` to the next."""
+        """Make the nodes that the layer keeps from one call of `show` to the next."""
 
     @abstractmethod
     def show(self, facts: SceneFacts) -> None:

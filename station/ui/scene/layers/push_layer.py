@@ -208,7 +208,7 @@ def pull_force(grip: Vector3, pointer: Vector3) -> Vector3:
 
     Args:
         grip: The point on the link, in the world [m].
-        pointer: Where the pointer is [m].
+        pointer: Position of the pointer [m].
     """
     away = math.dist(grip, pointer)
     strength = min(STIFFNESS, STRONGEST / away) if away else 0.0

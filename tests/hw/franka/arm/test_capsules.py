@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from station.core.geometry.distances import place_segments
 from station.hw.franka.arm import capsules
 from station.memory.doubles import doubles, indices, zeros
-from tests.both_modes import arrays, assert_same, needs_both, sibling
+from tests.both_modes import arrays, assert_same, needs_both
 
 LINKS = [
     0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.5, 0.0, 0.25, 1.0,
@@ -23,19 +23,16 @@ def test_segments_are_placed_with_their_links():
 
 
 def test_the_closest_of_the_pairs_is_found():
-    shapes = doubles([0.0] * 6 + [0.1] + [0.0] * 6 + [0.2] + [0.0] * 6 + [0.3])
-    segments = doubles([0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 1, 0, 0, 1.5, 1, 0, 1.5])
-    found = zeros(7)
+    shapes = [0, 0, 0, 1, 0, 0, 0.1, 0, 0, 1, 1, 0, 1, 0.2, 0, 0, 1.5, 1, 0, 1.5, 0.3]
 
     def nearest(pairs):
-        return capsules.nearest_pair(shapes, segments, indices(pairs), found)
+        owners = indices([-1] * 3)
+        links = capsules.LinkDistances(doubles(shapes), owners, indices(pairs))
+        return links.measure(doubles(LINKS)), links.closest
 
-    assert nearest([0, 1, 0, 2, 1, 2]) == 2
-    assert found[0] == pytest.approx(0.5 - 0.5)
-    assert nearest([0, 1, 0, 2]) == 0
-    assert found[0] == pytest.approx(1.0 - 0.3)
-    assert nearest([]) == -1
-    assert found[0] == float("inf")
+    assert nearest([0, 1, 0, 2, 1, 2]) == (pytest.approx(0.5 - 0.5), 1 * 3 + 2)
+    assert nearest([0, 1, 0, 2]) == (pytest.approx(1.0 - 0.3), 0 * 3 + 1)
+    assert nearest([]) == (float("inf"), -1)
 
 
 @needs_both
@@ -43,12 +40,8 @@ def test_the_closest_of_the_pairs_is_found():
 @given(arrays(21), arrays(32))
 def test_both_modes_agree_bit_for_bit(shapes, links):
     def scenario(module):
-        shapes_, segments, found = doubles(shapes), zeros(18), zeros(7)
-        sibling(module, "distances").place_segments(
-            shapes_, indices([-1, 0, 1]), doubles(links), segments
-        )
-        pairs = indices([0, 1, 0, 2, 1, 2])
-        number = module.nearest_pair(shapes_, segments, pairs, found)
-        return [float(number), found[0], *segments]
+        owners, pairs = indices([-1, 0, 1]), indices([0, 1, 0, 2, 1, 2])
+        distances = module.LinkDistances(doubles(shapes), owners, pairs)
+        return [distances.measure(doubles(links)), float(distances.closest)]
 
     assert_same("capsules", scenario)

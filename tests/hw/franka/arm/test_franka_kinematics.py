@@ -9,17 +9,18 @@ from station.core.description.robot_files import load_robot_files
 from station.core.franka.franka_model import Frame
 from station.hw.franka.arm.franka_kinematics import (
     IDENTITY,
-    body_jacobian,
     compose,
     frame_pose,
     zero_jacobian,
 )
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     simulate,
 )
 
+MODEL = ArmModel(load_robot_files("example-robot-data:panda"))
 # Test configuration of franka_hw and the answers for the flange, printed to 6 digits.
 Q = [
     0.5157262388785411,
@@ -67,7 +68,7 @@ def test_flange_and_its_jacobians_are_the_published_ones() -> None:
     assert pose[:3] == pytest.approx(np.array(FLANGE), abs=1e-6)
     zero = matrix(zero_jacobian(Frame.FLANGE, Q), 7)
     assert zero == pytest.approx(np.array(ZERO_JACOBIAN), abs=1e-6)
-    body = matrix(body_jacobian(Frame.FLANGE, Q), 7)
+    body = matrix(MODEL.body_jacobian(Frame.FLANGE, Q, IDENTITY, IDENTITY), 7)
     assert body == pytest.approx(np.array(BODY_JACOBIAN), abs=1e-6)
 
 
@@ -130,7 +131,7 @@ def test_body_jacobian_is_the_zero_jacobian_in_own_axes(frame: Frame) -> None:
     turned = np.kron(np.eye(2), rotation.T) @ matrix(
         zero_jacobian(frame, Q, F_T_EE, EE_T_K), 7
     )
-    body = matrix(body_jacobian(frame, Q, F_T_EE, EE_T_K), 7)
+    body = matrix(MODEL.body_jacobian(frame, Q, F_T_EE, EE_T_K), 7)
     assert body == pytest.approx(turned, abs=1e-12)
 
 

@@ -13,7 +13,7 @@ from tests.both_modes import arrays, assert_same, needs_both
 def test_limits_are_those_of_libfrankas_formula():
     offset, slope, upper, lower = np.array(FR3_LIMITS.curves).T
     most = np.array(FR3_LIMITS.velocity)
-    curves = VelocityCurves(FR3_LIMITS.velocity, FR3_LIMITS.curves)
+    curves = VelocityCurves(FR3_LIMITS.velocity, FR3_LIMITS.curves, [0.0] * 7)
     for q in np.random.default_rng(6).uniform(lower - 0.1, upper + 0.1, (500, 7)):
         lowest, highest = zeros(7), zeros(7)
         curves.put(doubles(q), lowest, highest)
@@ -25,7 +25,7 @@ def test_limits_are_those_of_libfrankas_formula():
 
 def test_joint_at_an_unknown_position_may_not_move():
     lowest, highest = doubles([-9.0] * 7), doubles([9.0] * 7)
-    curves = VelocityCurves(FR3_LIMITS.velocity, FR3_LIMITS.curves)
+    curves = VelocityCurves(FR3_LIMITS.velocity, FR3_LIMITS.curves, [0.0] * 7)
     curves.put(doubles([float("nan")] * 7), lowest, highest)
     assert lowest.tolist() == highest.tolist() == [0.0] * 7
 
@@ -35,7 +35,9 @@ def test_joint_at_an_unknown_position_may_not_move():
 def test_both_modes_agree_bit_for_bit(q):
     def scenario(module):
         lowest, highest = zeros(7), zeros(7)
-        curves = module.VelocityCurves(FR3_LIMITS.velocity, FR3_LIMITS.curves)
+        curves = module.VelocityCurves(
+            FR3_LIMITS.velocity, FR3_LIMITS.curves, [0.0] * 7
+        )
         curves.put(doubles(q), lowest, highest)
         return [*lowest, *highest]
 

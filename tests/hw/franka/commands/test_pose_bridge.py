@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from station.core.franka import FrankaPoseCartesianInterface
-from station.hw.franka.commands.pose_bridge import PoseBridge
+from station.hw.franka.commands.cartesian_sender import PoseBridge
 from station.memory.doubles import doubles
 from tests.both_modes import arrays, assert_same, needs_both
 from tests.hw.franka.commands.test_motion_start import controllers, make
@@ -146,7 +146,7 @@ def test_both_modes_agree_bit_for_bit(commands):
             results += [bridge.is_on_commands, bridge.before_cycle]
         return [float(value) for value in results]
 
-    assert_same("pose_bridge", scenario)
+    assert_same("cartesian_sender", scenario)
 
 
 @pytest.mark.slow

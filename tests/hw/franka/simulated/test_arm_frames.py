@@ -4,7 +4,8 @@ import pytest
 
 from station.core.franka import RobotState
 from station.hw.franka.arm.load import Load
-from station.hw.franka.simulated.arm_parts import MAX_EXTENSION, ArmFrames
+from station.hw.franka.simulated.arm_parts import ArmFrames
+from station.hw.franka.simulated.cartesian_step import MAX_EXTENSION
 
 
 def shifted(z: float) -> list[float]:

@@ -8,17 +8,18 @@ from hypothesis import given, settings, strategies as st
 
 from station.core.errors import InvalidCommandError
 from station.core.franka import Frame, RobotMode, RobotState
-from station.hw.franka.arm.arm_codes import IDLE, MOVE
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS, MotionLimits
-from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.hw.franka.simulated.arm_step import CONTACT, VIOLATION
-from station.hw.franka.simulated.step_codes import (
+from station.hw.franka.arm.arm_codes import (
     CARTESIAN,
+    IDLE,
+    MOVE,
     NO_MOTION,
     POSITIONS,
     VELOCITIES,
 )
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS, MotionLimits
+from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.simulated.arm_step import CONTACT, VIOLATION
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import (
     arrays,
@@ -59,6 +60,9 @@ class Faults:
 
     def count_step(self) -> None:
         """No joint is stuck."""
+
+    def disturb(self, state: RobotState) -> None:
+        """No sensor is blind."""
 
     def finish_cycle(self) -> None:
         """No command was dropped."""
@@ -107,14 +111,10 @@ class Arm:
             self.memory, CHAIN, tool, LIMITS, thresholds, PERIOD, has_hand=False
         )
         self.watch.room = 1.0
-        self.log = part("cycle_log").CycleLog(state.motion(), SIZE)
+        self.log = module.CycleLog(state.motion(), SIZE)
         check = part("motion_check").MotionCheck(self.memory, LIMITS, PERIOD)
-        kinematics = part("inverse_kinematics").InverseKinematics(
-            CHAIN, state.doubles("q_d"), tool, zeros(16), zeros(SIZE)
-        )
-        hand = part("end_effector_state").EndEffectorState(state.doubles, CHAIN, -0.467)
         self.cartesian = part("cartesian_step").CartesianStep(
-            self.memory, kinematics, check, hand, PERIOD
+            self.memory, check, state.doubles, CHAIN, PERIOD
         )
         self.calls: list[str] = []
         self.errors: list[object] = []
@@ -137,6 +137,7 @@ class Arm:
             watch=self.watch,
             log=self.log,
             simulator=simulator,
+            world=part("world_step").WorldStep(None, (0, 0, 0), None, None, None),
         )
         self.step.modes = SimpleNamespace(
             raise_errors=self.errors.extend,

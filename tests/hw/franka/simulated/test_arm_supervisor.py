@@ -7,8 +7,8 @@ from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_parts import new_joint_memory
+from station.hw.franka.simulated.arm_step import CycleLog
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
-from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
 
 Q = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]

@@ -7,10 +7,10 @@ from hypothesis import given, settings, strategies as st
 
 from station.core.franka import Frame, RobotState
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, MotionLimits
-from station.hw.franka.arm.franka_kinematics import CHAIN, IDENTITY, frame_pose
+from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose
 from station.hw.franka.arm.transform_check import transform_problem
 from station.hw.franka.simulated.cartesian_step import is_transform
-from station.memory.doubles import doubles, put, zeros
+from station.memory.doubles import doubles, put
 from tests.both_modes import arrays, assert_same, needs_both, sibling
 
 PERIOD = 0.001
@@ -30,19 +30,11 @@ class Motion:
     def __init__(self, module) -> None:
         memory = sibling(module, "joint_memory").JointMemory(7, q_d=doubles(START))
         check = sibling(module, "motion_check").MotionCheck(memory, LIMITS, PERIOD)
-        kinematics = sibling(module, "inverse_kinematics").InverseKinematics(
-            CHAIN, memory.q_d, doubles(IDENTITY), zeros(16), zeros(7)
-        )
         self.memory, self.violations = memory, check.violations
         names = ("O_T_EE_c", "O_dP_EE_c", "O_ddP_EE_c", "elbow_c", "delbow_c")
         state = RobotState(O_T_EE_c=POSE, elbow_c=[0.0, -1.0])
         self.parts = {name: state.doubles(name) for name in (*names, "ddelbow_c")}
-        end_effector = sibling(module, "end_effector_state").EndEffectorState(
-            state.doubles, CHAIN, -0.467
-        )
-        self.step = module.CartesianStep(
-            memory, kinematics, check, end_effector, PERIOD
-        )
+        self.step = module.CartesianStep(memory, check, state.doubles, CHAIN, PERIOD)
 
     def follow(self, *, may_settle: bool = True) -> int:
         """Follow the command; return the number of violations."""

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 
 from station.core.franka import Frame, RobotState
 from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose, zero_jacobian
-from station.hw.franka.simulated import end_effector_state
+from station.hw.franka.simulated import cartesian_step
 from station.memory.doubles import put
 from tests.both_modes import arrays, assert_same, needs_both
 
@@ -19,12 +19,12 @@ DERIVED = (
 
 def state_of(module, q, q_d, dq_d, ddq_d):
     state = RobotState(q=q, q_d=q_d, dq_d=dq_d, ddq_d=ddq_d)
-    return state, module.EndEffectorState(state.doubles, CHAIN, -0.467)
+    return state, module.EndEffectorState(state.doubles, CHAIN)
 
 
 def test_poses_twists_and_elbows_follow_the_joints():
     there, rates = [value + 0.1 for value in Q], [0.1 * joint for joint in range(7)]
-    state, kernel = state_of(end_effector_state, Q, there, rates, [0.5] * 7)
+    state, kernel = state_of(cartesian_step, Q, there, rates, [0.5] * 7)
     kernel.refresh()
 
     jacobian = np.reshape(zero_jacobian(Frame.END_EFFECTOR, there), (7, 6))
@@ -36,7 +36,7 @@ def test_poses_twists_and_elbows_follow_the_joints():
 
 
 def test_commanded_fields_may_follow_the_desired_ones():
-    state, kernel = state_of(end_effector_state, Q, Q, [0.1] * 7, [0.5] * 7)
+    state, kernel = state_of(cartesian_step, Q, Q, [0.1] * 7, [0.5] * 7)
     kernel.refresh()
     kernel.command_desired()
 
@@ -47,7 +47,7 @@ def test_commanded_fields_may_follow_the_desired_ones():
 
 
 def test_a_joint_motion_in_progress_has_an_acceleration():
-    state, kernel = state_of(end_effector_state, Q, Q, [0.1] * 7, [0.5] * 7)
+    state, kernel = state_of(cartesian_step, Q, Q, [0.1] * 7, [0.5] * 7)
     kernel.command_joint_motion()
 
     jacobian = np.reshape(zero_jacobian(Frame.END_EFFECTOR, Q), (7, 6))
@@ -67,4 +67,4 @@ def test_both_modes_agree_bit_for_bit(q, q_d, rates, tool):
         kernel.command_joint_motion()
         return [*found, *state.O_ddP_EE_c]
 
-    assert_same("end_effector_state", scenario)
+    assert_same("cartesian_step", scenario)

@@ -1,6 +1,7 @@
 """Friction, noise and the observer give the same bits in both modes."""
 
-from math import exp
+from dataclasses import replace
+from math import exp, inf
 
 import pytest
 from hypothesis import given, strategies as st
@@ -13,6 +14,7 @@ from station.hw.franka.arm.franka_kinematics import (
     frame_pose,
     zero_jacobian,
 )
+from station.hw.franka.simulated.realism import TYPICAL
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import arrays, assert_same, compiled, needs_both, sibling
@@ -25,10 +27,33 @@ def translated(z):
     return doubles([*IDENTITY[:14], z, 1.0])
 
 
+def ideal(size, **others):
+    """Return an arm of some joints with no deviations but those that are given."""
+    names = (
+        "friction_level", "friction_slope", "friction_shift", "viscous", "torque_noise",
+        "static_friction", "torque_bias", "velocity_noise", "model_error",
+    )  # fmt: skip
+    none = dict.fromkeys(names, (0.0,) * size)
+    rigid = {"joint_stiffness": (inf,) * size, "stribeck_velocity": 1.0}
+    return replace(TYPICAL, **{**none, **rigid, "presliding": 1.0, **others})
+
+
+def fields_of(size, tool=IDENTITY, stiffness_frame=IDENTITY):
+    """Return the fields of a state that the observer reads and writes, by name."""
+    return {
+        "F_T_EE": doubles(tool),
+        "EE_T_K": doubles(stiffness_frame),
+        "tau_ext_hat_filtered": zeros(size),
+        "theta": zeros(size),
+        "O_F_ext_hat_K": zeros(6),
+        "K_F_ext_hat_K": zeros(6),
+    }
+
+
 class Bench:
     """A joint pair with everything that disturbs it."""
 
-    def __init__(self, module, values) -> None:
+    def __init__(self, module, values, **others) -> None:
         self.memory = sibling(module, "joint_memory").JointMemory(2)
         # Rows of the inertia matrix: (M00), (M10, M11).
         diagonal = memoryview(bytearray(16)).cast("l")
@@ -39,34 +64,32 @@ class Bench:
             diagonal=diagonal,
             armature=doubles([0.1, 0.1]),
         )
-        self.estimate, self.theta = zeros(2), zeros(2)
-        self.wrench, self.turned = zeros(6), zeros(6)
+        fields = fields_of(2)
+        self.estimate, self.theta = fields["tau_ext_hat_filtered"], fields["theta"]
+        self.wrench, self.turned = fields["O_F_ext_hat_K"], fields["K_F_ext_hat_K"]
+        names = ("friction_level", "friction_slope", "friction_shift", "torque_noise")
+        given = {
+            **dict.fromkeys((*names, "torque_bias"), values[:2]),
+            "velocity_noise": values[1:3],
+            "model_error": values[2:4],
+            "static_friction": (0.5, 1.0),
+            "joint_stiffness": (1e3, 1e4),
+            "stribeck_velocity": 0.02,
+            "presliding": 1e-4,
+        }
         self.part = module.FrictionAndObserver(
             self.memory,
             self.simulator,
+            ideal(2, **{**given, **others}),
+            fields=fields.__getitem__,
             chain=zeros(12),
-            tool=doubles(IDENTITY),
-            stiffness_frame=doubles(IDENTITY),
             noise=doubles([0.5, -1.0, 2.0, 0.1, -0.3]),
-            estimate=self.estimate,
-            theta=self.theta,
-            wrench=self.wrench,
-            turned=self.turned,
             period=0.001,
         )
-        for name in ("level", "slope", "shift", "torque_noise", "torque_bias"):
-            put(getattr(self.part, name), values[:2])
-        put(self.part.velocity_noise, values[1:3])
-        put(self.part.model_error, values[2:4])
         put(self.part.lower, [0.5] * 8)
-        put(self.part.static_friction, [0.5, 1.0])
-        put(self.part.compliance, [1e-3, 1e-4])
-        self.part.stribeck_velocity = 0.02
-        self.part.presliding = 1e-4
         self.part.gain = 0.1
         self.part.reach = 0.01
         self.part.lasting_gain = 0.05
-        self.part.settle()
         self.values = values
 
     def results(self) -> list[float]:
@@ -106,12 +129,14 @@ def test_the_estimate_is_what_the_motion_does_not_explain():
 
 
 def test_friction_is_the_published_formula_and_zero_at_rest():
-    bench = Bench(compiled("friction_and_observer"), [0.8, 5.0, 0.02, 0.0])
-    put(bench.part.level, [0.8, 0.8])
-    put(bench.part.slope, [5.0, 5.0])
-    put(bench.part.shift, [0.02, 0.02])
-    bench.part.settle()
-    put(bench.part.static_friction, [0.0, 0.0])
+    bench = Bench(
+        compiled("friction_and_observer"),
+        [0.0] * 4,
+        friction_level=(0.8, 0.8),
+        friction_slope=(5.0, 5.0),
+        friction_shift=(0.02, 0.02),
+        static_friction=(0.0, 0.0),
+    )
     put(bench.simulator.velocities, [0.0, 0.7])
     bench.part.prepare_step()
     at_rest, moving = bench.simulator.applied
@@ -161,14 +186,10 @@ def test_the_jacobian_is_computed_anew_where_a_joint_has_gone_far():
     part = compiled("friction_and_observer").FrictionAndObserver(
         memory,
         SimulatorMemory(7, inertia=zeros(28)),
+        ideal(7),
+        fields=fields_of(7, *frames).__getitem__,
         chain=CHAIN,
-        tool=frames[0],
-        stiffness_frame=frames[1],
         noise=zeros(14),
-        estimate=zeros(7),
-        theta=zeros(7),
-        wrench=zeros(6),
-        turned=zeros(6),
         period=0.001,
     )
     part.reach = 0.01
@@ -189,20 +210,17 @@ class Arm:
         for i in range(6):
             diagonal[i] = i * (i + 3) // 2
         self.memory = sibling(module, "joint_memory").JointMemory(6)
-        self.wrench = zeros(6)
+        fields = fields_of(6)
+        self.wrench = fields["O_F_ext_hat_K"]
         self.part = module.FrictionAndObserver(
             self.memory,
             sibling(module, "simulator_memory").SimulatorMemory(
                 6, inertia=zeros(21), diagonal=diagonal, armature=zeros(6)
             ),
+            ideal(6),
+            fields=fields.__getitem__,
             chain=zeros(28),
-            tool=doubles(IDENTITY),
-            stiffness_frame=doubles(IDENTITY),
             noise=zeros(14),
-            estimate=zeros(6),
-            theta=zeros(6),
-            wrench=self.wrench,
-            turned=zeros(6),
             period=0.001,
         )
         self.part.gain, self.part.reach = 1.0, 1.0

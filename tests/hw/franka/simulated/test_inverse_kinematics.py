@@ -5,7 +5,7 @@ from hypothesis import given, settings
 
 from station.core.franka import Frame
 from station.hw.franka.arm.franka_kinematics import CHAIN, IDENTITY, frame_pose
-from station.hw.franka.simulated import inverse_kinematics
+from station.hw.franka.simulated.cartesian_step import InverseKinematics
 from station.memory.doubles import doubles, zeros
 from tests.both_modes import arrays, assert_same, needs_both, numbers
 
@@ -16,9 +16,7 @@ TOOL = [*IDENTITY[:12], 0.0, 0.02, 0.1, 1.0]
 def solve(q, target, elbow, steps):
     """Return joint positions after some steps towards a pose."""
     q, step = doubles(q), zeros(7)
-    kinematics = inverse_kinematics.InverseKinematics(
-        CHAIN, q, doubles(TOOL), doubles(target), step
-    )
+    kinematics = InverseKinematics(CHAIN, q, doubles(TOOL), doubles(target), step)
     for _ in range(steps):
         kinematics.advance(elbow)
         q[:] = doubles(a + b for a, b in zip(q, step, strict=True))
@@ -63,7 +61,7 @@ def test_both_modes_agree_bit_for_bit(q, tool, target, elbow):
         kinematics.advance(elbow)
         return step
 
-    assert_same("inverse_kinematics", scenario)
+    assert_same("cartesian_step", scenario)
 
 
 @needs_both
@@ -78,4 +76,4 @@ def test_both_modes_agree_on_poses(q, there):
         kinematics.advance(0.1)
         return step
 
-    assert_same("inverse_kinematics", scenario)
+    assert_same("cartesian_step", scenario)

@@ -3,7 +3,7 @@
 There are two interfaces with one state: `/api` of the FR3's system 5, which takes a
 name and a password with every request, and `/admin/api` and `/desk/api` of the Panda
 and of Desk's own pages, which take a cookie. Requests that change something carry the
-control token. Any name and any password will do: nobody's robot is behind it.
+control token. Any name and any password will do: there is no real robot.
 """
 
 import asyncio
@@ -383,7 +383,7 @@ def make_app(desk: Desk) -> Starlette:
 
 
 async def _speak(socket: WebSocket, say: Callable[[], str] | None) -> None:
-    """Send messages until the client goes; without `say` none: nobody presses."""
+    """Send messages until the client goes; without `say` none."""
     if not _is_known(socket):
         await socket.close()
         return

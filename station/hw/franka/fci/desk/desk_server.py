@@ -1,6 +1,6 @@
 """Desk on a port of its own, with TLS and a certificate of its own.
 
-The requests are answered in a thread; what they change of the arm is done by the
+The requests are answered in a thread; changes of the arm are made by the
 server of libfranka's programs between two of its cycles.
 """
 
@@ -71,7 +71,7 @@ class DeskServer:
         desk: The Desk.
         host: Address to listen at.
         port: TCP port.
-        folder: Where the certificate is kept; the user's own folder if None.
+        folder: Folder of the certificate; the user's own folder if None.
 
     Attributes:
         fingerprint: SHA-256 of the certificate, as hexadecimal digits.
@@ -123,7 +123,7 @@ def own_certificate(folder: Path) -> tuple[Path, Path]:
     """Return the files of a certificate and its key; make them if there are none.
 
     Args:
-        folder: Where they are kept.
+        folder: Folder of certificate and key.
 
     Raises:
         DeskCertificateError: There are none, and they cannot be made.

@@ -33,7 +33,7 @@ Profile = dict[str, Any]
 
 
 class DeskRefusalError(StationError):
-    """Desk does not do what a request asks for.
+    """Desk refuses a request.
 
     Args:
         status: The HTTP status of the answer.
@@ -58,56 +58,52 @@ class ServerOfDesk(Protocol):
         """Let programs of libfranka connect, or send them away and refuse them."""
 
 
+@dataclass(frozen=True, slots=True)
 class ServedArm:
     """Desk's way to the arm that a server serves. Any thread; changes between cycles.
 
-    Args:
+    Attributes:
         server: The server.
         arm: The arm.
         hand: The hand; None without a hand.
         kind: Kind of arm, as Desk calls it.
     """
 
-    def __init__(
-        self,
-        server: ServerOfDesk,
-        arm: SimulatedArm,
-        hand: HandServices | None,
-        kind: str,
-    ) -> None:
-        self._server, self._arm, self._hand = server, arm, hand
-        self.kind = kind
+    server: ServerOfDesk
+    arm: SimulatedArm
+    hand: HandServices | None
+    kind: str
 
     def set_brakes(self, *, closed: bool) -> Future[None]:
         """Close or open the brakes; an arm with closed brakes is in the mode Other."""
-        set_brakes = self._arm.simulation().set_brakes
-        return self._server.change(partial(set_brakes, closed=closed))
+        set_brakes = self.arm.simulation().set_brakes
+        return self.server.change(partial(set_brakes, closed=closed))
 
     def set_fci(self, *, active: bool) -> Future[None]:
         """Let programs of libfranka connect, or send them away and refuse them."""
-        return self._server.open_or_close(is_open=active)
+        return self.server.open_or_close(is_open=active)
 
     def set_end_effector(self, load: Load, frame: tuple[float, ...]) -> Future[None]:
         """Let the state tell another end effector, and its frame F_T_NE."""
-        return self._server.change(partial(self._arm.set_mounted, load, frame))
+        return self.server.change(partial(self.arm.set_mounted, load, frame))
 
     def home_gripper(self) -> Future[None]:
         """Begin the homing of the hand, if there is one."""
-        return self._server.change(self._home)
+        return self.server.change(self._home)
 
     def joints(self) -> list[float]:
         """Return the positions of the joints [rad], shape (7,)."""
-        return [*self._arm.state.q]
+        return [*self.arm.state.q]
 
     def mounted(self) -> tuple[Load, tuple[float, ...]]:
-        """Return the end effector that the state tells of, and F_T_NE."""
-        state = self._arm.state
+        """Return the end effector of the state, and F_T_NE."""
+        state = self.arm.state
         load = Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
         return load, (*state.F_T_NE,)
 
     def _home(self) -> None:
-        if self._hand is not None:
-            self._hand.homing()
+        if self.hand is not None:
+            self.hand.homing()
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +112,7 @@ class ControlToken:
 
     Attributes:
         number: Its public number.
-        secret: What the client sends with its requests.
+        secret: Text that proves the token in requests.
         owner: Name of the client.
         since: When it was asked for [s].
     """
@@ -138,8 +134,8 @@ class Desk:
         mode: The operating mode.
         are_brakes_closed: Whether the joints are locked; at the start they are.
         is_fci_active: Whether programs of libfranka can connect; at first they cannot.
-        token: The token in force; None when nobody has control.
-        waiting: Tokens that were asked for while somebody else had control.
+        token: The token in force; None when no client has control.
+        waiting: Tokens that were asked for while another client had control.
         now: Monotonic clock [s].
     """
 
@@ -155,7 +151,7 @@ class Desk:
     _numbers: "count[int]" = field(default_factory=lambda: count(1))
 
     def request_control(self, owner: str, *, is_forced: bool = False) -> ControlToken:
-        """Return a token: in force if nobody has control, else it waits for that.
+        """Return a token: in force if no client has control, else it waits for that.
 
         Args:
             owner: Name of the client.
@@ -171,10 +167,10 @@ class Desk:
         return token
 
     def release_control(self, secret: str) -> None:
-        """Give a token back; the one that waits longest comes into force.
+        """Give a token back; the token that has waited longest comes into force.
 
         Raises:
-            DeskRefusalError: Nobody has such a token.
+            DeskRefusalError: There is no such token.
         """
         if self.token is not None and self.token.secret == secret:
             # Clients of the old interface that give up do not say so.
@@ -238,7 +234,7 @@ class Desk:
         return self.set_fci(active=False) if wanted == PROGRAMMING else None
 
     def reboot(self) -> Future[None]:
-        """Begin anew: brakes closed, FCI off, nobody has control."""
+        """Begin anew: brakes closed, FCI off, control free."""
         self.token, self.mode = None, EXECUTION
         self.waiting.clear()
         self.set_fci(active=False)
@@ -248,7 +244,7 @@ class Desk:
         """Return an end effector.
 
         Raises:
-            DeskRefusalError: There is none of the name.
+            DeskRefusalError: No profile has the name.
         """
         if name not in self.profiles:
             raise DeskRefusalError(404, "NotFound", f"There is no profile {name!r}.")
@@ -273,7 +269,8 @@ class Desk:
         """Forget an end effector.
 
         Raises:
-            DeskRefusalError: There is none, it is Desk's own, or it counts now.
+            DeskRefusalError: No profile has the name, it is Desk's own, or it is
+                active.
         """
         self.find_profile(name)
         self._check_own(name)
@@ -285,7 +282,7 @@ class Desk:
         """Let an end effector count.
 
         Raises:
-            DeskRefusalError: There is none of the name.
+            DeskRefusalError: No profile has the name.
         """
         load, frame = load_of(self.find_profile(name))
         self.active = name
@@ -307,7 +304,7 @@ def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
     """Return mass properties and F_T_NE of a profile.
 
     Raises:
-        DeskRefusalError: A number is missing, or is none.
+        DeskRefusalError: A number is missing, or malformed.
     """
     try:
         inertial, tcp = profile["inertial"], profile["tcp"]

@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 from station.core.errors import ArmCommandError, InvalidCommandError, StationError
@@ -21,7 +20,7 @@ from station.hw.franka.fci.driver.network import (
 )
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
 from station.hw.franka.fci.driver.state_reader import StateReader
-from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.messages import NOTHING, FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     Command,
     RobotProtocol,
@@ -85,7 +84,7 @@ class Reconnection:
         return found
 
     def close(self) -> None:
-        """End the thread, and hang up what nobody has taken."""
+        """End the thread, and close connections that were not taken over."""
         self._word.close()
         self._thread.join()
         self._ear.close()
@@ -139,13 +138,12 @@ class Reconnection:
 
 CYCLE_TIME = 0.001
 """Time from one state to the next [s]."""
-_NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 class ArmLink:
     """Receives states and asks for things, until the arm is lost. Control thread.
 
-    A lost arm is connected to again when somebody asks for it, by another thread.
+    A lost arm is connected to again on request, by another thread.
 
     Args:
         network: The connection to the arm.
@@ -223,7 +221,7 @@ class ArmLink:
             self._reconnection.ask(settings)
 
     def receive_return(self) -> bool:
-        """Take a new connection over if it is there; return whether it is.
+        """Take a new connection over, if any; return whether there was one.
 
         When none could be made, `loss` is why.
         """
@@ -273,7 +271,7 @@ class ArmLink:
         time.sleep(CYCLE_TIME)
 
     def send_command(self, message: bytearray) -> None:
-        """Send a command; what the network does not take is lost."""
+        """Send a command; a datagram that the network does not take is lost."""
         self._network.send_datagram(message)
 
     def send(self, command: Command) -> int:
@@ -288,9 +286,7 @@ class ArmLink:
         except FciNetworkError as error:
             raise self._lose(error) from error
 
-    def ask(
-        self, command: Command, values: Mapping[str, Any] = _NOTHING
-    ) -> RobotAnswer:
+    def ask(self, command: Command, values: Mapping[str, Any] = NOTHING) -> RobotAnswer:
         """Ask for something and return the first answer.
 
         Raises:
@@ -357,7 +353,7 @@ class ArmLink:
             self._lose(FciNetworkError("libfranka: UDP receive: Timeout"))
 
     def check(self) -> None:
-        """Refuse what needs an arm.
+        """Refuse a request that needs an arm.
 
         Raises:
             ArmCommandError: The arm is lost.
@@ -366,7 +362,7 @@ class ArmLink:
             raise self._told()
 
     def _lose(self, error: StationError) -> ArmCommandError:
-        """Give the arm up; return what a caller is told."""
+        """Give the arm up; return the error for the caller."""
         self.loss = error.message
         # The arm takes one client: it must see that this one has gone.
         self._network.close()

@@ -80,7 +80,7 @@ class CommandWriter:
         """Put a pose (`O_T_EE_c`) or a twist (`O_dP_EE_c`) in.
 
         Args:
-            name: Which of them.
+            name: Name of the interface.
             values: The numbers.
             elbow: Position of joint 3 [rad] and sign of joint 4, or None.
 
@@ -122,7 +122,7 @@ _LENGTH = 50
 
 
 class MotionLog:
-    """Keeps messages as they are; they become records when somebody asks.
+    """Keeps messages in the form in which they came; `records` converts them.
 
     Args:
         protocol: The version of the protocol.
@@ -143,7 +143,7 @@ class MotionLog:
 
         Args:
             state: The arm's message.
-            command: What was answered to the one before.
+            command: Command that answered the state before.
         """
         size = self._protocol.state.size
         self._cycles.append((bytes(state[:size]), bytes(command)))
@@ -219,8 +219,8 @@ class CommandedMotion:
         """Prepare a motion; return the request for it.
 
         Args:
-            controller: Which controller makes the torques.
-            generator: Which motion is commanded.
+            controller: Controller that makes the torques.
+            generator: Kind of the commanded motion.
         """
         kind, motion = _CONTROLLERS[controller], _GENERATORS[generator]
         # Without a generator of their own, torques alone are a motion with joint

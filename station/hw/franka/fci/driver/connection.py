@@ -75,7 +75,7 @@ class RealRobot:
         return services
 
     def close(self) -> None:
-        """Stop what moves, and hang up."""
+        """Stop the motion, and close the connection."""
         if self._hand is not None:
             self._hand.close()
         self.arm.close()
@@ -88,7 +88,7 @@ class RealRobot:
 
         Raises:
             FciNetworkError: The arm does not answer.
-            FciProtocolError: What the arm answers is no protocol.
+            FciProtocolError: The arm's answer does not follow the protocol.
             IncompatibleVersionError: The arm speaks no version of this kind of arm.
         """
         spoken = versions_of_arm(self._parameters.arm)

@@ -127,7 +127,7 @@ def realtime_problem(thread: int, kernel: Path = _KERNEL) -> str | None:
 
     Args:
         thread: The thread's number in the operating system.
-        kernel: Where a real-time kernel says that it is one.
+        kernel: File that names a real-time kernel.
 
     Source:
         libfranka@0.9.2 src/control_loop.cpp, ControlLoop; src/control_tools.cpp.
@@ -436,7 +436,7 @@ class FciArm(RobotArm):
         self._link.close()
 
     def _take_state(self) -> None:
-        """Look what a new state says of the motion."""
+        """Follow the motion by a new state."""
         if self._motion is not None:
             self._commands.note_state()
             if not self._commands.is_shown():
@@ -462,7 +462,7 @@ class FciArm(RobotArm):
             self._show_mode()
 
     def _shown_mode(self) -> RobotMode:
-        """Return the arm's mode; a motion that nobody here commands is none."""
+        """Return the arm's mode; foreign motions do not count."""
         if self._link.is_returning:
             return RobotMode.AUTOMATIC_ERROR_RECOVERY
         if self._link.loss is not None:

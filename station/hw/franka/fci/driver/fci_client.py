@@ -5,7 +5,6 @@ Source: libfranka@0.9.2 src/network.h, connect; src/robot_impl.h, executeCommand
 
 from collections.abc import Mapping
 from enum import IntEnum
-from types import MappingProxyType
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from station.hw.franka.fci.driver.network import (
@@ -18,7 +17,12 @@ from station.hw.franka.fci.wire.gripper_protocol import (
     GripperProtocol,
     HandCommand,
 )
-from station.hw.franka.fci.wire.messages import Answer, FciProtocolError, Messages
+from station.hw.franka.fci.wire.messages import (
+    NOTHING,
+    Answer,
+    FciProtocolError,
+    Messages,
+)
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     Command,
@@ -31,7 +35,6 @@ from station.hw.franka.fci.wire.structure import Structure
 _Command = TypeVar("_Command", bound=IntEnum)
 RobotAnswer: TypeAlias = Answer[Command]
 GripperAnswer: TypeAlias = Answer[HandCommand]
-_NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 class IncompatibleVersionError(FciProtocolError):
@@ -96,7 +99,7 @@ class FciClient(Generic[_Command]):
         Raises:
             FciNetworkError: No answer came.
             IncompatibleVersionError: The other side speaks another version.
-            FciProtocolError: The answer is none.
+            FciProtocolError: The answer is malformed.
         """
         own, port = self._version, self._network.udp_port
         answer = self.ask(self._connect, {"version": own, "udp_port": port})
@@ -107,7 +110,7 @@ class FciClient(Generic[_Command]):
                 "libfranka: Protocol error during connection attempt"
             )
 
-    def send(self, command: _Command, values: Mapping[str, Any] = _NOTHING) -> int:
+    def send(self, command: _Command, values: Mapping[str, Any] = NOTHING) -> int:
         """Send a request; return its number.
 
         Raises:
@@ -118,13 +121,13 @@ class FciClient(Generic[_Command]):
         return self._count
 
     def ask(
-        self, command: _Command, values: Mapping[str, Any] = _NOTHING
+        self, command: _Command, values: Mapping[str, Any] = NOTHING
     ) -> Answer[_Command]:
         """Send a request and wait for its first answer.
 
         Raises:
             FciNetworkError: The connection is broken, or no answer came in time.
-            FciProtocolError: What came is no answer.
+            FciProtocolError: The message is no answer.
         """
         number = self.send(command, values)
         answer = self.take_answer(number) or self.take_answer(number, TCP_TIMEOUT)
@@ -145,7 +148,7 @@ class FciClient(Generic[_Command]):
 
         Raises:
             FciNetworkError: The connection is broken.
-            FciProtocolError: What came is no answer.
+            FciProtocolError: The message is no answer.
         """
         while not (found := self._answers.get(number)):
             data = self._network.receive(timeout)

@@ -1,7 +1,7 @@
 """The link to a hand: a thread of its own, which connects, sends and waits.
 
 A request to a hand is answered when the fingers have come to rest, after seconds. The
-control thread leaves an order here and reads what has come of it; it never waits.
+control thread leaves an order here and reads its result; it never waits.
 """
 
 import contextlib
@@ -46,7 +46,7 @@ class HandOrder:
 
     Attributes:
         identifier: Number of the command, for its outcome.
-        command: What to do.
+        command: The command.
         values: The fields of the request.
     """
 
@@ -82,7 +82,7 @@ class HandLink:
         protocol: The version that is spoken.
         clock: Wall time [s].
         pause: Waits for bytes of the hand, for a word of the control thread, or as
-            long as it is told [s].
+            long as it is given [s].
 
     Attributes:
         problem: Why there is no hand; None while it is there.
@@ -151,7 +151,7 @@ class HandLink:
         self._ear.close()
 
     def serve_orders(self) -> None:
-        """Do what there is to do now, then wait for more."""
+        """Carry out the waiting orders, then wait for more."""
         network, client = self._network, self._client
         if network is None or client is None:
             self._drop_orders()
@@ -269,7 +269,7 @@ class HandLink:
             self.outcomes.append(HandOutcome(self._orders.popleft().identifier, None))
 
     def _lose(self, problem: str) -> None:
-        """Give the hand up for some time, and end what it was to do."""
+        """Give the hand up for some time, and end its order."""
         network, self._network, self._client = self._network, None, None
         if network is not None:
             network.close()

@@ -32,7 +32,7 @@ class Network(Protocol):
     """The driver's interface to a network; tests put an arm in its place.
 
     Attributes:
-        udp_port: Where states are received.
+        udp_port: Port on which states arrive.
     """
 
     udp_port: int
@@ -47,7 +47,7 @@ class Network(Protocol):
         """Return the next bytes of the TCP stream; none if none came in time [s]."""
 
     def send_datagram(self, data: bytearray) -> None:
-        """Send a command; what the network does not take is lost."""
+        """Send a command; a datagram that the network does not take is lost."""
 
     def wait(self, buffer: bytearray) -> int:
         """Wait for a datagram, `SLICE` at most; return its size, 0 without one."""
@@ -74,7 +74,7 @@ class FciNetwork:
         sender: The address from which states come; empty until one has come.
 
     Raises:
-        FciNetworkError: Nobody answers there, or nobody who speaks FCI.
+        FciNetworkError: No answer comes, or no answer of FCI.
     """
 
     def __init__(self, host: str, port: int, *, is_strict: bool = True) -> None:
@@ -135,7 +135,7 @@ class FciNetwork:
         return data
 
     def send_datagram(self, data: bytearray) -> None:
-        """Send a command; what the network does not take is lost."""
+        """Send a command; a datagram that the network does not take is lost."""
         try:
             self._udp.send(data, socket.MSG_DONTWAIT)
         except OSError:

@@ -49,7 +49,7 @@ class RealHand(GripperServices):
 
     Args:
         arm_id: The arm with this hand.
-        link: The link to the hand, which somebody else starts.
+        link: The link to the hand; its owner starts it.
     """
 
     def __init__(self, arm_id: str, link: HandLink) -> None:
@@ -141,7 +141,7 @@ class RealHand(GripperServices):
         self._link.order(HandOrder(self._count, command, request))
 
     def _take_outcomes(self) -> None:
-        """Note how the present command has ended, if it has."""
+        """Note the end of the present command, if it has ended."""
         outcomes = self._link.outcomes
         while outcomes:
             outcome = outcomes.popleft()

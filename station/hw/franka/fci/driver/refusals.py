@@ -65,7 +65,7 @@ def refusal_of(command: Command, number: int, mode: RobotMode) -> str:
     """Return libfranka's message for an answer that is no success.
 
     Args:
-        command: What was asked for.
+        command: The refused command.
         number: The status of the answer.
         mode: The arm's mode.
     """

@@ -25,7 +25,7 @@ class StateReader:
         cycle_time: Time from one message to the next [s].
 
     Attributes:
-        message: Where the next message is to be received.
+        message: Buffer for the next message.
         message_id: Number of the message that was read last.
         modes: Its `motion_generator_mode` and `controller_mode`, as on the wire.
         robot_mode: Its mode of the arm.

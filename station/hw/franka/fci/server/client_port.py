@@ -1,6 +1,6 @@
 """One TCP port that serves one client at a time, with the client's UDP datagrams.
 
-While a client is connected nobody listens at the port, so that a second client is
+While a client is connected no socket listens at the port, so that a second one is
 refused at once: libfranka would otherwise wait for an answer for ever.
 """
 
@@ -31,7 +31,7 @@ class ClientSession(Protocol):
         """Take bytes of the TCP stream; return answers."""
 
     def close(self) -> None:
-        """End what the client has begun."""
+        """End the motion that the client has begun."""
 
 
 _Session = TypeVar("_Session", bound=ClientSession)
@@ -41,7 +41,7 @@ class ClientPort(Generic[_Session]):
     """Listens, accepts one client, and moves bytes between it and its session.
 
     Args:
-        what: What is served, for messages.
+        what: Name of the server, for messages.
         address: Host and TCP port.
         make_session: Makes the session of a new client.
 
@@ -89,7 +89,7 @@ class ClientPort(Generic[_Session]):
         return [self._connection] if self._connection and self._unsent else []
 
     def handle(self) -> None:
-        """Take what has arrived over TCP, or a new client; send what is left."""
+        """Read TCP, or accept a new client; send waiting bytes."""
         if self._connection is None:
             self._accept()
         else:
@@ -112,7 +112,7 @@ class ClientPort(Generic[_Session]):
         return found
 
     def send(self, data: bytes) -> None:
-        """Send answers over TCP; what does not fit waits for the next call."""
+        """Send answers over TCP; the part that does not fit waits for the next call."""
         if self._connection is None:
             return
         self._unsent += data

@@ -1,7 +1,7 @@
 """The process between clients of an arm or its hand, and the station that has them.
 
 It moves bytes: between TCP and a pipe to the station, and between UDP and the memory
-that it shares with the control thread. What they mean is settled in the station.
+that it shares with the control thread. The station interprets them.
 
 Through the pipe go frames: a kind, a size, and bytes. The station answers each one.
 """
@@ -63,7 +63,7 @@ def refusal(reason: str, answers: bytes = b"") -> bytes:
 
 
 def receive_frame(pipe: socket.socket) -> tuple[int, bytes]:
-    """Wait for a frame; return its kind and what it holds.
+    """Wait for a frame; return its kind and content.
 
     Raises:
         StationGoneError: The other side has closed the pipe.
@@ -87,7 +87,7 @@ class RelayedSession:
 
     Args:
         pipe: The pipe to the station.
-        channel: What is added to the kinds of frames.
+        channel: Offset that is added to the kinds of frames.
 
     Attributes:
         udp_port: The client's UDP port; None until it has connected.
@@ -102,7 +102,7 @@ class RelayedSession:
         """Pass bytes of the client on; return the answers.
 
         Raises:
-            FciProtocolError: The station refuses what the client sent.
+            FciProtocolError: The station refuses the client's message.
         """
         return self._ask(DATA, data)
 
@@ -185,7 +185,7 @@ class FciDoor:
 
 
 def relay(port: ClientPort[RelayedSession], page: SharedPage) -> None:
-    """Move what has arrived, and what the control thread has left."""
+    """Move messages of the client and of the control thread."""
     for datagram in port.datagrams():
         page.put_command(datagram)
     # Answers are left behind the state that belongs to them: taken before it and sent

@@ -1,15 +1,16 @@
 """Clients of the Franka Control Interface on the arm and the hand of a running station.
 
 Either the station's controllers command the arm, or the client does. The hand obeys the
-newest command, whoever gives it.
+newest command of any client.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 from typing_extensions import override
 
 from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.fci.server.client_port import ClientSession
 from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
     GripperSession,
@@ -19,20 +20,7 @@ from station.hw.franka.fci.server.shared_page import SharedPage
 from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
 from station.hw.franka.hand.hand_services import HandServices
 
-
-class _Session(Protocol):
-    """The server's side of a client's connection."""
-
-    udp_port: int | None
-
-    def receive(self, data: bytes) -> bytes:
-        """Take bytes of the client; return answers."""
-
-    def close(self) -> None:
-        """End it."""
-
-
-SessionT = TypeVar("SessionT", bound=_Session)
+SessionT = TypeVar("SessionT", bound=ClientSession)
 
 
 class _Guest(Generic[SessionT]):
@@ -41,7 +29,7 @@ class _Guest(Generic[SessionT]):
     In a cycle it copies bytes between the session and the page, and nothing else.
 
     Args:
-        page: Where messages are left and found.
+        page: Shared memory for messages in both directions.
         begin: Begins the session of a new client.
     """
 
@@ -71,7 +59,7 @@ class _Guest(Generic[SessionT]):
         return answers, session.udp_port
 
     def leave(self) -> None:
-        """End what the client has begun: it has gone."""
+        """End the motion of a client that has gone."""
         session, self._session, self._unsent = self._session, None, b""
         if session is not None:
             session.close()
@@ -88,8 +76,8 @@ class FciGuest(_Guest[RobotSession]):
 
     Args:
         arm: The arm.
-        page: Where messages are left and found.
-        model_library: Where model libraries come from.
+        page: Shared memory for messages in both directions.
+        model_library: Source of model libraries.
         protocols: The versions that are spoken.
         robot_model: The URDF of the arm for clients; empty if there is none.
         is_commanded: Returns whether the station's controllers command the arm.
@@ -171,7 +159,7 @@ class HandGuest(_Guest[GripperSession]):
 
     Args:
         hand: The hand.
-        page: Where messages are left.
+        page: Shared memory for messages.
         may_move: Returns whether the station lets anybody move the fingers.
     """
 
@@ -182,7 +170,7 @@ class HandGuest(_Guest[GripperSession]):
         self._cycle = 0
 
     def after_read(self) -> None:
-        """Leave what is new for the client."""
+        """Leave new states for the client."""
         session, page = self._session, self._page
         if session is None or session.udp_port is None:
             return

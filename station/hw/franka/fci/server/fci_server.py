@@ -73,13 +73,13 @@ class FciServer:
     Args:
         arm: The arm; the server calls its `read_once`.
         hand: The hand; None without a hand.
-        settings: Where and how.
-        model_library: Where model libraries come from.
+        settings: Address and protocol.
+        model_library: Source of model libraries.
         clock: Wall time [s].
         robot_model: The URDF of the arm for clients; empty if there is none.
 
     Attributes:
-        counts: What was done so far.
+        counts: Numbers of clients, states and lost commands so far.
 
     Raises:
         FciPortError: An address cannot be used.
@@ -137,7 +137,7 @@ class FciServer:
             action: The change; it may not wait.
 
         Returns:
-            When it was done, or what it has raised.
+            Time at which it was done, or its exception.
         """
         done: Future[None] = Future()
         self._changes.put((action, done))
@@ -147,7 +147,7 @@ class FciServer:
         """Listen at both ports, or send the clients away and refuse connections.
 
         Returns:
-            When it was done; an OSError if somebody else listens at a port meanwhile.
+            When it was done; an OSError if another program has taken a port.
         """
         return self.change(partial(self._set_open, is_open=is_open))
 
@@ -214,7 +214,7 @@ class FciServer:
             port.send_datagram(port.session.state(self._message_id))
 
     def _wait(self, deadline: float) -> None:
-        """Serve the sockets until the cycle ends, and once more for what came late."""
+        """Serve the sockets until the cycle ends, and once more for late messages."""
         while (left := deadline - self._clock()) > 0.0:
             self._poll(left)
         self._poll(0.0)

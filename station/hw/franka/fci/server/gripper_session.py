@@ -3,17 +3,11 @@
 A newer command takes the fingers over; the older one is answered with ABORTED.
 """
 
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
-from typing import Any
+from collections.abc import Callable
 
 from station.core.errors import GripperCommandError, InvalidCommandError
 from station.core.franka import GraspRequest
 from station.core.ports.goal import GoalStatus
-from station.hw.franka.fci.server.message_reader import (
-    MessageReader,
-    Request,
-)
 from station.hw.franka.fci.wire.gripper_protocol import (
     GRIPPER_HEADER,
     HAND,
@@ -21,7 +15,12 @@ from station.hw.franka.fci.wire.gripper_protocol import (
     GripperStatus,
     HandCommand,
 )
-from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
+from station.hw.franka.fci.wire.messages import (
+    FciProtocolError,
+    FciVersionError,
+    MessageReader,
+    Request,
+)
 from station.hw.franka.fci.wire.robot_protocol import ConnectStatus
 from station.hw.franka.hand.hand_services import HandServices
 
@@ -31,7 +30,6 @@ _ENDS = {
     GoalStatus.SUCCEEDED: GripperStatus.SUCCESS,
     GoalStatus.ABORTED: GripperStatus.UNSUCCESSFUL,
 }
-_NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 class GripperSession:
@@ -114,15 +112,15 @@ class GripperSession:
                 remedy="Connect first, with a version that the hand speaks.",
             )
         if not self._is_free() and request.command is not HandCommand.STOP:
-            return self._reader.answer(request, GripperStatus.FAIL, _NOTHING)
+            return self._reader.answer(request, GripperStatus.FAIL)
         try:
             self._begin(request)
         except (GripperCommandError, InvalidCommandError):
-            return self._reader.answer(request, GripperStatus.FAIL, _NOTHING)
+            return self._reader.answer(request, GripperStatus.FAIL)
         answers = self._end(GripperStatus.ABORTED)
         self._identifier = self._present()
         if request.command is HandCommand.STOP:
-            done = self._reader.answer(request, GripperStatus.SUCCESS, _NOTHING)
+            done = self._reader.answer(request, GripperStatus.SUCCESS)
             return answers + done
         self._running = request
         return answers
@@ -166,4 +164,4 @@ class GripperSession:
         request, self._running = self._running, None
         if request is None:
             return b""
-        return self._reader.answer(request, status, _NOTHING)
+        return self._reader.answer(request, status)

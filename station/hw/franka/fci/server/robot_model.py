@@ -31,7 +31,7 @@ def write_robot_model(description: RobotFiles, limits: ArmLimits, name: str) -> 
 
     Args:
         description: The URDF of a Franka arm, with or without a hand.
-        limits: What this kind of arm can do.
+        limits: Limits of this kind of arm.
         name: Name of the robot, e.g. `fr3`; one that begins with `tmr` would be taken
             for a mobile robot.
 

@@ -26,14 +26,13 @@ filters of its own, so that only these settings are accepted.
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.franka_errors import ERROR_INDEX
 from station.core.franka.franka_robot_state import RobotMode
 from station.core.franka.franka_services import CollisionBehavior
-from station.hw.franka.arm.collision_behavior import collision_behavior_problem
+from station.hw.franka.arm.collision_behavior import check_collision_behavior
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
@@ -42,19 +41,23 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
     SingularStartError,
 )
-from station.hw.franka.arm.service_limits import ServiceLimits, check_load
-from station.hw.franka.arm.transform_check import check_transform
-from station.hw.franka.commands.arm_guard import slowed
-from station.hw.franka.commands.arm_services import (
+from station.hw.franka.arm.service_limits import (
     JOINT_STIFFNESS,
     ROTATIONAL_STIFFNESS,
     TRANSLATIONAL_STIFFNESS,
+    ServiceLimits,
+    check_load,
+    check_ranges,
 )
-from station.hw.franka.fci.server.message_reader import (
+from station.hw.franka.arm.transform_check import check_transform
+from station.hw.franka.commands.arm_guard import slowed
+from station.hw.franka.fci.wire.messages import (
+    NOTHING,
+    FciProtocolError,
+    FciVersionError,
     MessageReader,
     Request,
 )
-from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     MERGED_INTO,
@@ -84,21 +87,18 @@ _LIMITS = ServiceLimits()
 
 def _set_collision_behavior(arm: RobotArm, values: Mapping[str, Any]) -> None:
     behavior = CollisionBehavior(**values)
-    problem = collision_behavior_problem(behavior)
-    if problem is not None:
-        raise InvalidCommandError(f"{problem.field} must be {problem.allowed}.")
+    check_collision_behavior(behavior)
     arm.set_collision_behavior(behavior)
 
 
 def _set_joint_impedance(arm: RobotArm, values: Mapping[str, Any]) -> None:
-    _check_ranges("K_theta", values["K_theta"], [JOINT_STIFFNESS] * 7)
-    arm.set_joint_impedance(values["K_theta"])
+    stiffness = check_ranges(values["K_theta"], [JOINT_STIFFNESS] * 7, "K_theta")
+    arm.set_joint_impedance(stiffness)
 
 
 def _set_cartesian_impedance(arm: RobotArm, values: Mapping[str, Any]) -> None:
     ranges = [TRANSLATIONAL_STIFFNESS] * 3 + [ROTATIONAL_STIFFNESS] * 3
-    _check_ranges("K_x", values["K_x"], ranges)
-    arm.set_cartesian_impedance(values["K_x"])
+    arm.set_cartesian_impedance(check_ranges(values["K_x"], ranges, "K_x"))
 
 
 def _set_guiding_mode(_arm: RobotArm, values: Mapping[str, Any]) -> None:
@@ -139,16 +139,6 @@ SETTERS: Mapping[Command, Callable[[RobotArm, Mapping[str, Any]], None]] = {
 
 Each raises `InvalidCommandError` for impossible values, and `ArmCommandError` when the
 arm cannot change the setting now."""
-
-
-def _check_ranges(
-    name: str, values: Sequence[float], ranges: Sequence[tuple[float, float]]
-) -> None:
-    for value, (low, high) in zip(values, ranges, strict=True):
-        if not (isfinite(value) and low <= value <= high):
-            raise InvalidCommandError(
-                f"{name} has {value}; allowed are {low:g} to {high:g}."
-            )
 
 
 _READINGS = 18  # of the accelerometers on one side of the boards
@@ -224,7 +214,6 @@ _RECOVERIES = {
     RobotMode.USER_STOPPED: RecoveryStatus.EMERGENCY_ABORTED,
     RobotMode.OTHER: RecoveryStatus.ABORTED,
 }
-_NOTHING: Mapping[str, Any] = MappingProxyType({})
 _TAKEN = "The controllers of the station command the arm, or the station is stopped."
 
 
@@ -240,10 +229,11 @@ class RobotSession:
 
     Args:
         arm: The arm.
-        model_library: Where model libraries come from.
+        model_library: Source of model libraries.
         protocols: The versions that are spoken; the client chooses one. The last one
-            is the arm's own: a client that asks for another version is told it.
-        is_free: Returns whether this client may move the arm: nobody else does.
+            is the arm's own: a client that asks for another version gets it as the
+            answer.
+        is_free: Returns whether this client may move the arm.
         robot_model: The URDF of the arm for clients; empty if there is none.
 
     Attributes:
@@ -310,7 +300,7 @@ class RobotSession:
         return b"".join(self._answer(request) for request in self._reader.feed(data))
 
     def receive_command(self, datagram: bytes) -> None:
-        """Take a UDP datagram; what is no command, or older than the last, is dropped.
+        """Take a UDP datagram; drop it if it is no command, or older than the last.
 
         Args:
             datagram: The datagram.
@@ -575,6 +565,6 @@ class RobotSession:
         self,
         request: Request[Command],
         status: int,
-        values: Mapping[str, Any] = _NOTHING,
+        values: Mapping[str, Any] = NOTHING,
     ) -> bytes:
         return self._reader.answer(request, status, values)

@@ -23,7 +23,7 @@ class SharedPage:
 
     Args:
         memory: At least `PAGE_BYTES` writable bytes from `start` on, zero at first.
-        start: Where the page begins in the memory [bytes].
+        start: Offset of the page in the memory [bytes].
     """
 
     def __init__(self, memory: mmap.mmap | bytearray, start: int = 0) -> None:
@@ -37,7 +37,7 @@ class SharedPage:
         self._state_taken = 0
 
     def put_state(self, message: bytes | bytearray) -> None:
-        """Leave a state; an older one that nobody has taken is lost. Control thread."""
+        """Leave a state; an older one that was not taken is lost. Control thread."""
         self._put(_STATE, message)
 
     def take_state(self) -> memoryview | None:

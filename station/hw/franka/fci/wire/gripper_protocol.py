@@ -41,7 +41,7 @@ class GripperProtocol:
         version: Number that a client names when it connects.
         port: TCP port of the server.
         exchanges: Request and answer of every command.
-        state: What the hand sends.
+        state: Structure of the hand's states.
     """
 
     version: int

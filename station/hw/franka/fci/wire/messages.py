@@ -1,8 +1,9 @@
-"""Requests as bytes, and answers out of a stream of bytes: the client's direction."""
+"""Requests and answers as bytes, and out of a stream of bytes."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 from station.core.errors import StationError
@@ -10,15 +11,16 @@ from station.hw.franka.fci.wire.robot_protocol import Exchange
 from station.hw.franka.fci.wire.structure import Structure
 
 _Command = TypeVar("_Command", bound=IntEnum)
-_NOTHING: Mapping[str, Any] = {}
+NOTHING: Mapping[str, Any] = MappingProxyType({})
+"""The fields of a message without fields."""
 
 
 class FciProtocolError(StationError):
-    """The other side sent what the protocol does not have; the connection ends.
+    """The other side broke the protocol; the connection ends.
 
     Args:
-        message: What was sent, and what is allowed.
-        remedy: What to do about it.
+        message: The message that came, and the allowed ones.
+        remedy: Advice.
         answers: Answers to send before the connection ends.
     """
 
@@ -33,7 +35,7 @@ class FciVersionError(FciProtocolError):
     """A client asked for a version that is not spoken.
 
     Args:
-        what: What the client has connected to.
+        what: Name of the server.
         asked: The version that it asked for.
         spoken: The versions that are spoken.
         answers: The answer, which names a version that is spoken.
@@ -57,7 +59,7 @@ class Answer(Generic[_Command]):
     """One answer of a robot or a hand.
 
     Attributes:
-        command: What is answered.
+        command: The answered command.
         command_id: Number of the request.
         status: The status, one of those of the command, whatever its number is in the
             version that is spoken; `UNKNOWN` if the version does not have it.
@@ -72,8 +74,10 @@ class Answer(Generic[_Command]):
     rest: bytes = b""
 
 
-class FrameCutter:
+class Frames:
     """Cuts a stream of TCP bytes into messages, however TCP has cut them.
+
+    It also puts heads before messages.
 
     Args:
         header: Head of every message.
@@ -88,7 +92,7 @@ class FrameCutter:
         self._received = bytearray()
 
     def feed(self, data: bytes) -> Iterator[tuple[Mapping[str, int], bytes]]:
-        """Return head and body of what is complete now; the rest waits for more.
+        """Return head and body of complete messages; the rest waits for more bytes.
 
         Args:
             data: The next bytes of the stream.
@@ -104,6 +108,17 @@ class FrameCutter:
             del self._received[: head["size"]]
             yield head, body
 
+    def pack(self, command: int, command_id: int, body: bytes) -> bytes:
+        """Return a message with its head.
+
+        Args:
+            command: Number of the command on the wire.
+            command_id: Number of the request.
+            body: What follows the head.
+        """
+        head = {"command": command, "command_id": command_id}
+        return self._header.pack({**head, "size": self._header.size + len(body)}) + body
+
 
 class Messages(Generic[_Command]):
     """Makes requests, and reads the answers, however TCP has cut them.
@@ -118,22 +133,20 @@ class Messages(Generic[_Command]):
     ) -> None:
         self._header = header
         self._exchanges = exchanges
-        self._cutter = FrameCutter(header, self._response_of)
+        self._frames = Frames(header, self._response_of)
 
     def request(
-        self, command: _Command, number: int, values: Mapping[str, Any] = _NOTHING
+        self, command: _Command, number: int, values: Mapping[str, Any] = NOTHING
     ) -> bytes:
         """Return a request as bytes.
 
         Args:
-            command: What is asked for.
+            command: The requested command.
             number: Number of the request, which its answers repeat.
             values: The fields of the request.
         """
         exchange = self._exchanges[command]
-        body = exchange.request.pack(values)
-        head = {"command": exchange.number, "command_id": number}
-        return self._header.pack({**head, "size": self._header.size + len(body)}) + body
+        return self._frames.pack(exchange.number, number, exchange.request.pack(values))
 
     def feed(self, data: bytes) -> Iterator[Answer[_Command]]:
         """Return the answers that are complete now; the rest waits for more bytes.
@@ -144,7 +157,7 @@ class Messages(Generic[_Command]):
         Raises:
             FciProtocolError: The stream has no answer of the protocol in it.
         """
-        for head, body in self._cutter.feed(data):
+        for head, body in self._frames.feed(data):
             command, exchange = self._response_of(head)
             response = exchange.response
             values = response.unpack(body[: response.size])
@@ -154,7 +167,7 @@ class Messages(Generic[_Command]):
 
     def _response_of(self, head: Mapping[str, int]) -> tuple[_Command, Exchange]:
         number = head["command"]
-        command = command_of(self._exchanges, number)
+        command = _command_of(self._exchanges, number)
         if command is None:
             raise FciProtocolError(f"libfranka: Unexpected answer to command {number}.")
         exchange = self._exchanges[command]
@@ -163,7 +176,92 @@ class Messages(Generic[_Command]):
         return command, exchange
 
 
-def command_of(exchanges: Mapping[_Command, Exchange], number: int) -> _Command | None:
+@dataclass(frozen=True, slots=True)
+class Request(Generic[_Command]):
+    """One request of a client.
+
+    Attributes:
+        command: What is asked for.
+        command_id: Number of the request, which its answers repeat.
+        values: The fields of the request.
+    """
+
+    command: _Command
+    command_id: int
+    values: Mapping[str, Any]
+
+
+class MessageReader(Generic[_Command]):
+    """Reads the requests of one client, however TCP has cut them.
+
+    Args:
+        header: Head of every message.
+        exchanges: Request and answer of every command.
+    """
+
+    def __init__(
+        self, header: Structure, exchanges: Mapping[_Command, Exchange]
+    ) -> None:
+        self._header = header
+        self._exchanges = exchanges
+        self._frames = Frames(header, self._command_in)
+
+    def feed(self, data: bytes) -> Iterator[Request[_Command]]:
+        """Return the requests that are complete now; the rest waits for more bytes.
+
+        Args:
+            data: The next bytes of the stream.
+
+        Raises:
+            FciProtocolError: A command is unknown, or its size is another one than the
+                protocol has.
+        """
+        for head, body in self._frames.feed(data):
+            command = self._command_in(head)
+            values = self._exchanges[command].request.unpack(body)
+            yield Request(command, head["command_id"], values)
+
+    def answer(
+        self,
+        request: Request[_Command],
+        status: int,
+        values: Mapping[str, Any] = NOTHING,
+        *,
+        tail: bytes = b"",
+    ) -> bytes:
+        """Return an answer as bytes.
+
+        Args:
+            request: What is answered.
+            status: The status, one of those that the version has for the command.
+            values: The fields of the answer behind the status.
+            tail: What follows the fields, e.g. a model.
+        """
+        exchange = self._exchanges[request.command]
+        number = exchange.statuses.index(status)
+        data = exchange.response.pack({"status": number, **values}) + tail
+        return self._frames.pack(exchange.number, request.command_id, data)
+
+    def _command_in(self, head: Mapping[str, int]) -> _Command:
+        number, size = head["command"], head["size"]
+        command = _command_of(self._exchanges, number)
+        if command is None:
+            raise FciProtocolError(
+                f"The client sent the command {number}, which the protocol does not "
+                "have.",
+                remedy="Use a client of the version that it has connected with.",
+            )
+        expected = self._header.size + self._exchanges[command].request.size
+        if size != expected:
+            raise FciProtocolError(
+                f"The client sent {command.name} with a size of {size} bytes; the "
+                f"protocol has {expected}.",
+                remedy="Use a client of the version that it has connected with.",
+            )
+        return command
+
+
+def _command_of(exchanges: Mapping[_Command, Exchange], number: int) -> _Command | None:
     """Return the command with a number on the wire; None if there is none."""
     found = (command for command, one in exchanges.items() if one.number == number)
     return next(found, None)

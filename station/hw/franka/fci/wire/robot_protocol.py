@@ -199,8 +199,8 @@ class RobotProtocol:
         version: Number that a client names when it connects.
         port: TCP port of the server.
         exchanges: Request and answer of every command.
-        state: What the arm sends in every cycle.
-        command: What the client answers while a motion runs.
+        state: Structure of the arm's state, sent in every cycle.
+        command: Structure of the client's answers while a motion runs.
         generators: The motion generators that a `MOVE` may ask for.
         merged_errors: Errors in whose place the version has `MERGED_INTO`.
     """

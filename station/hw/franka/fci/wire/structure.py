@@ -20,7 +20,7 @@ class Structure:
 
     Attributes:
         size: Size of the structure [bytes].
-        offsets: Where each field begins [bytes].
+        offsets: Offset of each field [bytes].
         counts: How many numbers each field has.
     """
 

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from station.hw.franka.fci.server.message_reader import MessageReader, Request
-from station.hw.franka.fci.wire.messages import Messages
+from station.hw.franka.fci.wire.messages import MessageReader, Messages, Request
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     PROTOCOLS,

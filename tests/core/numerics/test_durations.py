@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from station.core.numerics.statistics import DurationRing
+from station.core.numerics.durations import DurationRing
 
 
 def test_an_empty_ring_summarises_to_zeros():
