@@ -79,7 +79,7 @@ class SceneFacts:
 
 
 class Removable(Protocol):
-    """What can be taken out of a scene: a node, or something made of several."""
+    """A node of a scene, or something made of several, that can be taken out."""
 
     def remove(self) -> None:
         """Take it out of the scene."""
