@@ -125,7 +125,7 @@ class Dashboard:
         nodes = [one.base for one in (self.scene, *self._beside) if one]
         bases = bases_of_hands([one.arm_id for one in robots], nodes)
         self.arrows = [
-            HandArrows(server, self._teleoperation, base, arm)
+            HandArrows(server, self._teleoperation, self.reporter, base, arm)
             for arm, base in bases.items()
         ]
         self._running: Future[None] | None = None

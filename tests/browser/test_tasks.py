@@ -190,8 +190,7 @@ def test_the_cube_is_grasped_and_lifted(person, client):
     person.page.get_by_text("Hand: jog and target").click()
     person.click("Start hand targets")
     person.page.wait_for_function(
-        "() => ![...document.querySelectorAll('st-move button')]"
-        ".find((b) => b.textContent === 'Go there').disabled"
+        "() => !document.querySelector('[aria-label=\"Step of the hand\"]').disabled"
     )
     person.field("Hand x [m]", CUBE_X, "Tab")
     person.write("0", "Tab")

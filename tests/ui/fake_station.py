@@ -235,7 +235,8 @@ class FakeStation:
         if body.get("epoch", self.epoch) != self.epoch:
             return problem(409, "stale_epoch", "A stop came since.", "Look again.")
         if self._elements(name)[0] is not JOINTS:
-            if len(body["command"]) == len(POSE):
+            # An arm that says what is in its way waits there.
+            if len(body["command"]) == len(POSE) and not self.message:
                 self.pose = body["command"]
             return JSONResponse({"epoch": self.epoch}, 202)
         told = zip(body["command"], self.desired, strict=False)

@@ -4,8 +4,9 @@ import { watchAgents } from "./lib/agents.js";
 import { alarms } from "./lib/alarms.js";
 import { button, h, html, isNarrow, kept, nothing, press, render, repeat, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
+import { layoutNames, layoutPath } from "./lib/plot_layouts.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
-import { act, api, teleoperation } from "./lib/station.js";
+import { act, teleoperation } from "./lib/station.js";
 import { enableSliders, stopController, store, switchTo } from "./lib/store.js";
 import { number } from "./lib/text.js";
 import { units } from "./lib/units.js";
@@ -72,11 +73,9 @@ function applySizes() {
 
 let own = []; // names of the layouts that the station keeps
 let layoutsOf = ""; // the station that they are of
-const LAYOUTS = "/plot-layouts";
-const layoutPath = (name) => `${LAYOUTS}/${encodeURIComponent(name)}`;
 
 async function listLayouts() {
-  own = (await api("GET", LAYOUTS).catch(() => null))?.plot_layouts ?? own;
+  own = (await layoutNames()) ?? own;
   drawLayouts();
 }
 

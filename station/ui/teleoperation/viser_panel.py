@@ -390,6 +390,7 @@ class HandArrows:
     Args:
         server: Viser server that draws the arrows.
         teleoperation: The commands of this panel.
+        reporter: Shows what is in the way of a hand.
         base: Scene node of the arm's base frame.
         arm: The arm of the end effector; empty where there are not several.
 
@@ -402,10 +403,14 @@ class HandArrows:
         self,
         server: viser.ViserServer,
         teleoperation: Teleoperation,
+        reporter: Reporter,
         base: str,
         arm: str = "",
     ) -> None:
         self.teleoperation = teleoperation
+        self._reporter = reporter
+        self._dragger: viser.ClientHandle | None = None
+        self._said = ""
         self._arm = arm
         self._dragged_at = float("-inf")
         self.gizmo = server.scene.add_transform_controls(
@@ -424,6 +429,10 @@ class HandArrows:
         is_held = view.now - self._dragged_at < _HELD_FOR
         if hand is None or hand.desired is None or not usable:
             return
+        # The dock says so, too, but who drags the arrows need not have it open.
+        said, self._said = self._said, hand.message if hand.is_pursuing else ""
+        if self._said not in {"", said}:
+            self._reporter.say("The hand stops short", self._said, self._dragger)
         # Arrows that followed while they are dragged would fight with the pointer.
         if not hand.is_pursuing and not is_held:
             x, y, z, qx, qy, qz, qw = hand.desired
@@ -435,7 +444,7 @@ class HandArrows:
         # Viser also calls this when the arrows follow the arm.
         if event.client is None:
             return
-        self._dragged_at = self.teleoperation.now()
+        self._dragged_at, self._dragger = self.teleoperation.now(), event.client
         x, y, z = (float(value) for value in event.target.position)
         w, i, j, k = (float(value) for value in event.target.wxyz)
         self.teleoperation.hands.go(self._arm, [x, y, z, i, j, k, w], self._dragged_at)

@@ -84,7 +84,11 @@ def test_stop_is_shown_at_once_and_refused_values_offer_the_release(workspace, e
     page.locator("#stop").click()
     page.locator("#motion").get_by_text("STOPPED").wait_for(timeout=2000)
     assert enabled.status().stop_state == "stopped"
-    workspace.button("controllers", f"Start {CONTROLLER}").click()
+    start = workspace.button("controllers", f"Start {CONTROLLER}")
+    assert wait_until(start.is_disabled)
+    # As by a page that has not heard of the stop yet.
+    switch = "async (name) => (await import('/static/lib/store.js')).switchTo(name)"
+    page.evaluate(switch, CONTROLLER)
     remedy = page.locator("#refusal-line").get_by_role("button", name="Release stop")
     remedy.click()
     assert wait_until(lambda: enabled.status().stop_state == "released")

@@ -51,6 +51,13 @@ def test_a_dragged_target_is_sent_until_the_arm_is_there(running, panel):
     assert running.station.pose[:3] == pytest.approx([0.4, 0.1, 0.5])
 
 
+def test_who_drags_the_arrows_is_told_what_is_in_the_way(running, panel):
+    running.station.message = "panda_joint4 is near its position limit."
+    drag(running, panel, (0.4, 0.1, 0.5))
+    told = running.dashboard.reporter
+    assert running.wait(lambda: "panda_joint4 is near" in told.message)
+
+
 def test_a_stop_gives_the_target_up(running, panel):
     drag(running, panel, (0.4, 0.1, 0.5))
     running.station.stop()

@@ -66,7 +66,7 @@ export class Forecast {
     const controller = controllerFor(targets);
     if (!controller) return this.show(WITHOUT_CONTROLLER, false);
     const { joints } = controller;
-    const now = positionsOf(joints);
+    const now = store.positionsOf(joints);
     const positions = joints.map((joint, i) => targets[joint] ?? now[i]);
     const time = Math.max(SHORTEST_S, ...positions.map((q, i) => (PEAK * Math.abs(q - now[i])) / speed));
     const rest = joints.map(() => 0);
@@ -105,6 +105,14 @@ export class Forecast {
     if (controller.state !== "running" && !(await switchTo(controller.name))) return undefined;
     const plan = await this.ask("Searching for a way …", "/plan", { controller: controller.name, ...(pose ? { pose } : { positions: targets }) });
     return plan && { controller, plan };
+  }
+
+  /** Return the buttons that try a motion before it is made; they do nothing while `off()`. */
+  trials(rehearse, goAround, off) {
+    return [
+      button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", rehearse, { needs: "change", off }),
+      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Starts a trajectory controller if none runs; nothing moves yet.", goAround, { needs: "change", off }),
+    ];
   }
 
   async ask(text, path, body) {
@@ -185,5 +193,3 @@ function controllerFor(targets) {
 function startOf({ name, state, replaces }) {
   return state === "running" ? [] : [{ kind: "switch", start: [name], stop: replaces }];
 }
-
-const positionsOf = (joints) => joints.map((joint) => store.joints.position[store.joints.name.indexOf(joint)]);

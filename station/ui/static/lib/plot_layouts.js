@@ -5,7 +5,10 @@ import { refusals } from "./refusals.js";
 import { act, api } from "./station.js";
 
 const ROUTE = "/plot-layouts";
-const pathOf = (name) => `${ROUTE}/${encodeURIComponent(name)}`;
+export const layoutPath = (name) => `${ROUTE}/${encodeURIComponent(name)}`;
+
+/** Return the names of the layouts that the station keeps; null without an answer. */
+export const layoutNames = async () => (await api("GET", ROUTE).catch(() => null))?.plot_layouts ?? null;
 
 /** Return the plots of a layout that a file or a link has; null when it has none. */
 export function plotsIn(text) {
@@ -21,7 +24,7 @@ export function plotsIn(text) {
 
 /** Return the plots of a layout that a link names or holds; undefined when there is none. */
 export async function layoutOf(text) {
-  return plotsIn(text) ?? (await act("GET", pathOf(text)))?.plots;
+  return plotsIn(text) ?? (await act("GET", layoutPath(text)))?.plots;
 }
 
 /** Return a menu of the layouts; `settings()` are the present plots, `put(plots)` shows others. */
@@ -39,7 +42,7 @@ export function layoutMenu(settings, put) {
   let known = { name: "", text: "" }; // the layout that is shown, while nothing of it is changed
   const remember = (shown) => (known = { name: shown, text: JSON.stringify(settings()) });
   const change = async (method, wanted, content) => {
-    if (!(await act(method, pathOf(wanted), content))) return;
+    if (!(await act(method, layoutPath(wanted), content))) return;
     remember(method === "PUT" ? wanted : "");
     await list();
   };
@@ -53,7 +56,7 @@ export function layoutMenu(settings, put) {
   };
   const row = (each) => html`<div class="channel">${press(each, "", () => show(each), { look: "choice" })}${press("✕", "", () => change("DELETE", each), { look: "choice rate", needs: "change", name: `Delete the layout ${each}` })}</div>`;
   const list = async () => {
-    const names = (await api("GET", ROUTE).catch(() => null))?.plot_layouts ?? [];
+    const names = (await layoutNames()) ?? [];
     const none = html`<p class="hint">None is saved yet.</p>`;
     render(html`${names.length ? names.map(row) : none}
       <div class="line">${name}${press("Save", "", save, { needs: "change", off: () => !name.value.trim() })}</div>

@@ -31,9 +31,8 @@ export function fromAngles([roll, pitch, yaw]) {
 
 /** Return roll, pitch and yaw [rad] of a quaternion; at a pitch of ±90° all of the turn is yaw. */
 export function toAngles([x, y, z, w]) {
-  const sine = Math.max(-1, Math.min(2 * (w * y - z * x), 1));
-  if (Math.abs(sine) > 1 - 1e-9) return [0, (Math.sign(sine) * Math.PI) / 2, -2 * Math.sign(sine) * Math.atan2(x, w)];
-  return [Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)), Math.asin(sine), Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))];
+  const columns = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0, 2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0];
+  return anglesOfMatrix([...columns, 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]);
 }
 
 /**

@@ -133,6 +133,11 @@ class Store extends EventTarget {
       });
   }
 
+  /** Return where joints are now [rad] or [m]. */
+  positionsOf(joints) {
+    return joints.map((joint) => this.joints.position[this.joints.name.indexOf(joint)]);
+  }
+
   controller(name) {
     return this.docks?.controllers.find((c) => c.name === name);
   }

@@ -8,8 +8,8 @@ const EXCITATIONS = { step: [], sine: ["frequency"], chirp: ["first", "last"], m
 const SIZES = { step: 0.1, sine: 0.1, chirp: 0.02, multisine: 0.05, relay: 0.1 };
 /** How long each kind lasts at first [s]. */
 const TIMES = { step: 2, sine: 4, chirp: 8, multisine: 8, relay: 4 };
-/** Figures: name, heading, factor and unit of what is shown. */
-const FIGURES = [
+/** Figures: name, heading, factor and unit of what is shown, and its digits. */
+export const FIGURES = [
   ["rise_time", "rise", 1e3, "ms", 0], ["overshoot", "overshoot", 100, "%", 1], ["settling_time", "settling", 1e3, "ms", 0],
   ["gain", "gain", 1, "", 3], ["phase", "phase", 1, "°", 1],
   ["bandwidth", "bandwidth", 1, "Hz", 2], ["resonance_peak", "peak gain", 1, "", 2], ["gain_margin", "gain margin", 1, "×", 2], ["phase_margin", "phase margin", 1, "°", 1],
@@ -17,6 +17,8 @@ const FIGURES = [
   ["period", "period", 1e3, "ms", 0], ["ultimate_gain", "ultimate gain", 1, "", 1], ["ultimate_period", "ultimate period", 1e3, "ms", 0],
   ["steady_error", "steady error", 1e3, "mrad", 2], ["rms_error", "RMS", 1e3, "mrad", 2], ["effort_peak", "torque peak", 1, "Nm", 1],
 ];
+/** Return a figure of a run or a trial, in words. */
+export const figureOf = ({ metrics }, [key, , factor, unit, digits]) => (metrics[key] == null ? "–" : figure(metrics[key] * factor, unit, digits));
 const isSpectral = ({ bode }) => bode != null;
 
 class Bench extends Panel {
@@ -170,11 +172,10 @@ class Bench extends Panel {
   draw() {
     const shown = this.runs.filter(({ name }) => this.shown.has(name));
     const columns = FIGURES.filter(([key]) => shown.some(({ metrics }) => key in metrics));
-    const cell = (run, [key, , factor, unit, digits]) => (key in run.metrics ? figure(run.metrics[key] * factor, unit, digits) : "–");
     const row = (run) => html`<tr>
       <td><label class="trace t${this.colourOf(run.name) % COLOURS}"><input type="checkbox" .checked=${this.shown.has(run.name)} aria-label="Show ${run.name}" @change=${() => this.toggle(run.name)} /><svg viewBox="0 0 12 8" aria-hidden="true"><path d="M0 4h12" /></svg>${run.name}</label></td>
       <td>${run.kind} ${run.joint.replace(/^.*_/, "")}: ${Object.entries(run.gains).map(([key, value]) => `${key} ${number(value, Number.isInteger(value) ? 0 : 2)}`).join(", ") || "–"}</td>
-      ${columns.map((column) => html`<td>${cell(run, column)}</td>`)}
+      ${columns.map((column) => html`<td>${figureOf(run, column)}</td>`)}
       <td>${press("✕", "", () => this.remove(run.name), { needs: "change", name: `Delete ${run.name}` })}</td>
     </tr>`;
     drawn(this.table, this.runs.length ? html`<table class="metrics"><thead><tr><th>run</th><th>test</th>${columns.map(([, title]) => html`<th>${title}</th>`)}<th></th></tr></thead><tbody>${repeat(this.runs, ({ name }) => name, row)}</tbody></table>` : nothing);

@@ -40,11 +40,7 @@ class Hand extends Panel {
     const reach = button("Go there", "Move the hand there; without angles it keeps its orientation.", () => this.go(), { needs: "motion", off: () => !this.isStepping || isEmpty() });
     this.axes = choice("Axes of the jog", FRAMES.map((frame, i) => [i, frame]), () => this.setFrame(), { title: "Frame along whose axes the buttons move the hand." });
     this.forecast = new Forecast();
-    const trial = { needs: "change", off: isEmpty };
-    const trials = [
-      button("Rehearse", "Try to move the joints straight to the pose in a copy of the station: how it would end, and a ghost of it. Starts a trajectory controller; nothing moves.", () => this.tryOut(false), trial),
-      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Starts a trajectory controller; nothing moves yet.", () => this.tryOut(true), trial),
-    ];
+    const trials = this.forecast.trials(() => this.tryOut(false), () => this.tryOut(true), isEmpty);
     const here = button("Here", "Fill in where the hand is.", () => this.fillIn());
     teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog

@@ -2,7 +2,7 @@
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
-import { act, api, button, choice, decide, DEGREES, follow, h, holdButton, kept, line as lineOf, nameField, number, offer, Panel, ranged, refusals, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
+import { act, api, button, choice, decide, DEGREES, drawn, follow, h, holdButton, html, kept, line as lineOf, nameField, number, offer, Panel, ranged, refusals, repeat, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
@@ -25,12 +25,13 @@ class Joints extends Panel {
     };
     this.speed = ranged("top speed", (value) => this.speedText(value), choose, { min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held.", ariaLabel: "Top speed in degrees per second" });
     this.tools.append(...this.units, this.speed.label);
-    this.head = h("tr", {});
-    this.body = h("tbody", {});
+    this.table = h("div", { class: "scroll" });
     this.state = h("p", { class: "hint state" }, "Waiting for the station …");
-    this.far = h("div", { class: "line far", role: "alert", hidden: true });
+    // The field keeps the focus, and with it Enter, while a button of the question is clicked.
+    this.far = h("div", { class: "line far", role: "alert", hidden: true, onmousedown: (event) => event.preventDefault() });
+    this.far.addEventListener("click", ({ target }) => target.closest("button") && this.forgetFar(), true);
     this.forecast = new Forecast();
-    this.append(h("div", { class: "scroll" }, h("table", { class: "joints" }, h("thead", {}, this.head), this.body)), this.far, this.forecast.element, this.state, this.poses());
+    this.append(this.table, this.far, this.forecast.element, this.state, this.poses());
     units.addEventListener("change", () => this.showUnit());
     this.showUnit();
     this.drawWithJoints(12, () => this.draw());
@@ -51,10 +52,7 @@ class Joints extends Panel {
 
   /** The buttons that try a motion before it is made; `targets()` are its ends, and they do nothing while `off()`. */
   trials(targets, off) {
-    return [
-      button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints), { needs: "change", off }),
-      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Nothing moves yet.", () => this.forecast.goAround(targets()), { needs: "change", off }),
-    ];
+    return this.forecast.trials(() => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints), () => this.forecast.goAround(targets()), off);
   }
 
   async readPoses() {
@@ -110,13 +108,7 @@ class Joints extends Panel {
     const ways = far.map(([joint, { text }]) => `${names.get(joint)} by ${text}`);
     const go = button("Move there", undefined, () => this.move(targets), { class: "s primary" });
     const leave = button("Leave it", undefined, () => this.contains(document.activeElement) && document.activeElement.select?.()); // to be typed over
-    const buttons = [go, ...this.trials(() => targets), leave];
-    for (const each of buttons) {
-      each.addEventListener("click", () => this.forgetFar(), true);
-      // The field keeps the focus, and with it Enter, while one of them is clicked.
-      each.addEventListener("mousedown", (event) => event.preventDefault());
-    }
-    this.far.replaceChildren(h("span", {}, `This moves ${ways.join(", ")}. The ghost shows where; the same again moves the robot.`), ...buttons);
+    this.far.replaceChildren(h("span", {}, `This moves ${ways.join(", ")}. The ghost shows where; the same again moves the robot.`), go, ...this.trials(() => targets), leave);
     this.far.hidden = false;
     this.far.scrollIntoView({ block: "nearest" });
     showGhost(targets, "not sent yet");
@@ -153,17 +145,26 @@ class Joints extends Panel {
   }
 
   showUnit() {
-    const unit = units.angle;
-    for (const button of this.units) button.ariaPressed = button.dataset.unit === unit;
-    const angle = unit === "deg" ? "°" : "rad";
-    const heads = ["joint", `q [${angle}]`, "command", `dq [${angle}/s]`, "τ [Nm]", "τext", "hold"];
-    const titles = ["", "Measured position", "Type a value and press Enter", "Measured speed", "Measured torque", "External torque as a Franka arm estimates it [Nm]; – for other joints", "Moves while it is held"];
-    this.head.replaceChildren(...heads.map((text, i) => h("th", { title: titles[i], class: text === "τext" ? "ext" : "" }, text)));
-    for (const row of this.rows.values()) {
-      row.sent = null;
-      this.showLimits(row);
-    }
+    for (const button of this.units) button.ariaPressed = button.dataset.unit === units.angle;
+    for (const row of this.rows.values()) row.sent = null;
     this.speed.tell();
+    this.drawTable();
+  }
+
+  drawTable() {
+    const angle = units.sign.trim();
+    const head = (text, title, look = "") => html`<th title=${title} class=${look}>${text}</th>`;
+    const heads = [head("joint", ""), head(`q [${angle}]`, "Measured position"), head("command", "Type a value and press Enter"), head(`dq [${angle}/s]`, "Measured speed"), head("τ [Nm]", "Measured torque"), head("τext", "External torque as a Franka arm estimates it [Nm]; – for other joints", "ext"), head("hold", "Moves while it is held")];
+    const rows = repeat(this.rows, ([joint]) => joint, ([joint, row]) => this.row(joint, row));
+    drawn(this.table, html`<table class="joints ${store.docks?.arms.length === 0 ? "without-arm" : ""}"><thead><tr>${heads}</tr></thead><tbody>${rows}</tbody></table>`);
+  }
+
+  /** Return the two lines of a joint: its values, and its slider between its limits. */
+  row(joint, { label, input, hold, slider, limits, unit, texts: [q, dq, tau, ext] }) {
+    const text = (value) => (unit === "m" ? `${number(value, 3)} m` : `${number(value * units.scale, units.angle === "deg" ? 1 : 3)}${units.sign}`);
+    const [low, high] = limits?.map(text) ?? ["no limit", "no limit"];
+    return html`<tr title=${joint}><th scope="row">${label}</th><td class="q">${q}</td><td>${input}</td><td class="dq">${dq}</td><td class="tau">${tau}</td><td class="ext">${ext}</td><td class="holds">${hold}</td></tr>
+      <tr class="slide"><td colspan="7"><div><small>${low}</small>${slider.element}<small>${high}</small></div></td></tr>`;
   }
 
   speedText(value) {
@@ -176,7 +177,6 @@ class Joints extends Panel {
     const docks = store.docks;
     const names = docks.joints;
     if (names.join() !== [...this.rows.keys()].join()) this.buildRows(names);
-    this.head.closest("table").classList.toggle("without-arm", !docks.arms.length);
     const operated = docks.operated;
     if (operated.names.join() !== this.operatedNames) {
       this.operatedNames = operated.names.join();
@@ -199,6 +199,7 @@ class Joints extends Panel {
       row.slider.disabled = !usable || !POSITIONS.includes(element.unit);
       for (const button of row.hold) button.disabled = row.slider.isDisabled;
     }
+    this.drawTable();
     this.showState();
   }
 
@@ -223,16 +224,13 @@ class Joints extends Panel {
   }
 
   buildRows(names) {
-    this.rows.clear();
-    this.body.replaceChildren(...[...shortNames(names)].flatMap(([joint, label]) => this.makeRow(joint, label)));
+    this.rows = new Map([...shortNames(names)].map(([joint, label]) => [joint, this.makeRow(joint, label)]));
     this.speed.tell();
   }
 
-  /** Return the two lines of a joint: its values, and its slider between its limits. */
   makeRow(joint, label) {
     const limits = store.docks.limits[joint];
     const unit = store.docks.sliding.includes(joint) ? "m" : "rad";
-    const cells = ["q", "dq", "tau", "ext"].map((name) => h("td", { class: name }));
     const input = valueField(`Command of ${label}`, () => this.send(joint, row), () => this.forgetFar());
     const slider = new JointSlider({
       label,
@@ -246,8 +244,7 @@ class Joints extends Panel {
       pick: (target) => this.isAgreed({ [joint]: target }) && this.move({ [joint]: target }),
       show: (target) => (target === null ? hideGhost() : showGhost({ [joint]: target }, "where you drag it")),
     });
-    const ends = [h("small", {}), h("small", {})];
-    const row = { slider, ends, cells, input, limits, unit, sent: null, position: 0, hold: [] };
+    const row = { label, slider, input, limits, unit, sent: null, position: 0, texts: [] };
     const jog = (sign) => () => {
       if (!row.told_speed) teleoperation.say(this.wantedSpeed);
       row.told_speed = true;
@@ -259,18 +256,7 @@ class Joints extends Panel {
       teleoperation.say({ do: "release" });
     };
     row.hold = [holdButton("−", `Move ${label} down while held`, jog(-1), letGo), holdButton("+", `Move ${label} up while held`, jog(1), letGo)];
-    this.rows.set(joint, row);
-    const [q, dq, tau, ext] = cells;
-    this.showLimits(row);
-    return [
-      h("tr", { title: joint }, h("th", { scope: "row" }, label), q, h("td", {}, input), dq, tau, ext, h("td", { class: "holds" }, ...row.hold)),
-      h("tr", { class: "slide" }, h("td", { colSpan: 7 }, h("div", {}, ends[0], slider.element, ends[1]))),
-    ];
-  }
-
-  showLimits({ ends, limits, unit }) {
-    const text = (value) => (unit === "m" ? `${number(value, 3)} m` : `${number(value * units.scale, units.angle === "deg" ? 1 : 3)}${units.sign}`);
-    ends.forEach((end, i) => show(end, limits ? text(limits[i]) : "no limit"));
+    return row;
   }
 
   send(joint, row) {
@@ -298,16 +284,13 @@ class Joints extends Panel {
       const angular = !store.docks.sliding.includes(joint);
       const scale = angular ? units.scale : 1;
       const digits = units.angle === "deg" && angular ? 2 : 4;
-      const unit = angular ? "" : " m";
-      show(row.cells[0], number(position[i] * scale, digits) + unit);
-      show(row.cells[1], number(velocity[i] * scale, units.angle === "deg" && angular ? 1 : 3));
-      show(row.cells[2], number(effort[i], 1));
       const arm = arms.find(([id]) => joint.startsWith(`${id}_joint`));
       const external = arm?.[1].tau_ext_hat_filtered?.[Number(joint.slice(-1)) - 1];
-      show(row.cells[3], number(external, 1));
+      row.texts = [number(position[i] * scale, digits) + (angular ? "" : " m"), number(velocity[i] * scale, units.angle === "deg" && angular ? 1 : 3), number(effort[i], 1), number(external, 1)];
       this.drawSlider(joint, row, digits);
       this.drawCommand(joint, row, digits);
     }
+    this.drawTable();
   }
 
   drawSlider(joint, row, digits) {

@@ -1,5 +1,5 @@
 // Lessons: the task, answers, and what the station says of the student's own run.
-import { act, api, drawn, h, html, kept, nothing, Panel, press, store, typed } from "../lib/panel.js";
+import { act, api, choice, drawn, h, html, kept, nothing, Panel, press, store, typed } from "../lib/panel.js";
 
 /** Return a line of Markdown as a template: bold, emphasis and code. */
 function inline(text) {
@@ -20,16 +20,16 @@ function markdown(text) {
 
 class LessonBook extends Panel {
   build() {
-    this.person = h("input", { class: "name", placeholder: "your name", value: kept.get("student", ""), ariaLabel: "Name of the student" });
-    this.person.addEventListener("change", () => {
+    const name = () => {
       kept.set("student", this.person.value.trim());
       this.list();
-    });
-    this.choice = h("select", { ariaLabel: "Lesson" });
-    this.choice.addEventListener("change", () => {
+    };
+    this.person = h("input", { class: "name", placeholder: "your name", value: kept.get("student", ""), ariaLabel: "Name of the student", onchange: name });
+    const choose = () => {
       this.result = null;
       this.draw();
-    });
+    };
+    this.choice = choice("Lesson", [], choose);
     this.page = h("div", { class: "lesson" });
     this.lessons = [];
     this.append(h("div", { class: "line" }, this.choice, this.person), this.page);

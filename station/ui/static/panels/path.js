@@ -41,7 +41,7 @@ class Path extends Panel {
         ${press("Rehearse", "Try one round in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearsePath(this.path, { speed: this.factor }), { needs: "change", off: isEmpty })}
         ${press("▶ Play", "Move through all waypoints in order", () => this.play(), { look: "s primary", needs: "motion", off: isEmpty })}
         ${press(isPaused ? "Resume" : "Pause", "Hold where the arm is; Resume goes on", () => this.change({ paused: !isPaused }), { needs: isPaused ? "motion" : "change", off: !isActive })}
-        ${press("Cancel", "End the motion; the joints hold where they are", () => this.cancel(), { needs: "change", off: !isActive })}</div>
+        ${press("Cancel", "End the motion; the joints hold where they are", () => this.ask("DELETE", "/playback"), { needs: "change", off: !isActive })}</div>
       <div class="line"><label class="speed">speed ${this.speed}<output>${this.speed.value} %</output></label>
         ${press("Loop", "Begin again at the end, until it is switched off", () => this.setLoop(), { pressed: Boolean(this.isLoop) })}
         <progress max="1" value=${playback?.progress ?? 0} ?hidden=${!isActive} aria-label="Progress of the path"></progress></div>
@@ -203,8 +203,7 @@ class Path extends Panel {
       if (!wanted) return refusals.add(error, { method: "POST", path, body });
       // The switch says what was in its way; the path waits for the controller to run.
       if (!(await switchTo(wanted))) return;
-      const told = await act("POST", path, body);
-      if (told) this.showPlayback(told);
+      await this.ask("POST", path, body);
     }
   }
 
@@ -214,13 +213,12 @@ class Path extends Panel {
     if (this.isActive) this.change({ loop: this.isLoop });
   }
 
-  async change(change) {
-    const told = await act("PATCH", "/playback", change);
-    if (told) this.showPlayback(told);
+  change(change) {
+    return this.ask("PATCH", "/playback", change);
   }
 
-  async cancel() {
-    const told = await act("DELETE", "/playback");
+  async ask(method, path, body) {
+    const told = await act(method, path, body);
     if (told) this.showPlayback(told);
   }
 
@@ -255,7 +253,7 @@ class Path extends Panel {
 }
 
 /** Return where the joints of a waypoint are now. */
-const here = ({ positions }) => Object.fromEntries(Object.keys(positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
+const here = ({ positions }) => Object.fromEntries(Object.keys(positions).map((joint) => [joint, store.positionsOf([joint])[0]]));
 
 /** Return positions between two others, at a part from 0 to 1 of the way. */
 function blend(from, to, part) {

@@ -1,5 +1,5 @@
 // The objects of the scene: where they are, moved by arrows in the 3D view or by typing, added, duplicated, removed.
-import { act, api, button, field, h, html, line, live, number, Panel, press, refusals, render, repeat, send, store, typed } from "../lib/panel.js";
+import { act, api, button, choice, field, h, html, line, live, number, Panel, press, refusals, render, repeat, send, store, typed } from "../lib/panel.js";
 import { toAngles } from "../lib/pose_maths.js";
 
 const LOOK_MS = 500;
@@ -14,9 +14,9 @@ class SceneObjects extends Panel {
   build() {
     this.chosen = ""; // the object at which the 3D view has arrows
     this.place = h("div", { class: "scroll" });
-    const select = (label, choices) => h("select", { ariaLabel: label, onchange: () => this.showSize() }, ...choices.map((text) => h("option", { value: text }, text.replaceAll("_", " "))));
-    this.kind = select("Kind of the new object", Object.keys(SIZES));
-    this.roleChoice = select("Role of the new object", ["keep_out", "fence"]);
+    const words = (names) => names.map((name) => [name, name.replaceAll("_", " ")]);
+    this.kind = choice("Kind of the new object", words(Object.keys(SIZES)), () => this.showSize());
+    this.roleChoice = choice("Role of the new object", words(["keep_out", "fence"]));
     this.size = field("size", "", "m", "Size of the new object [m]");
     this.name = h("input", { class: "name", placeholder: "name", ariaLabel: "Name of the new object" });
     this.addButton = button("Add", "Add it 0.6 m from the world’s middle, at its front and right; arms keep clear of it at once.", () => this.add(), { needs: "change" });

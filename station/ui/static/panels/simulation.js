@@ -31,35 +31,27 @@ class Simulation extends Panel {
     return store.docks.arms.some((arm) => arm.arm_id === this.arm.value && arm.robot_mode === "user_stopped");
   }
 
-  /** Say what was done; nothing when it was refused, which the log says. */
-  say(told, text) {
-    this.done = told ? text : "";
+  /** Ask for something and say what was done; nothing when it was refused, which the log says. */
+  async ask(method, path, body, text) {
+    this.done = (await act(method, path, body)) ? text : "";
     store.refresh();
-  }
-
-  async act(path, body, text) {
-    this.say(await act("POST", path, body), text);
-  }
-
-  async change(body, text) {
-    this.say(await act("PATCH", "/simulation", body), text);
   }
 
   changePause() {
     const paused = !store.docks.simulation.paused;
-    this.change({ paused }, paused ? "Paused." : "Resumed.");
+    this.ask("PATCH", "/simulation", { paused }, paused ? "Paused." : "Resumed.");
   }
 
   stepOn() {
     const cycles = typed(this.steps.value);
-    if (Number.isInteger(cycles) && cycles > 0) this.act("/simulation/step", { n: cycles }, cycles === 1 ? "Stepped one cycle." : `Stepped ${cycles} cycles.`);
+    if (Number.isInteger(cycles) && cycles > 0) this.ask("POST", "/simulation/step", { n: cycles }, cycles === 1 ? "Stepped one cycle." : `Stepped ${cycles} cycles.`);
     else refusals.add({ code: "not_a_number", detail: `“${this.steps.value}” is not a whole number of cycles.`, remedy: "Type a whole number such as 100." });
   }
 
   setFactor() {
     const factor = typed(this.factor.value);
     if (factor === null) refusals.add({ code: "not_a_number", detail: `“${this.factor.value}” is not a number.` });
-    else this.change({ real_time_factor: factor }, `Speed set to × ${factor}.`);
+    else this.ask("PATCH", "/simulation", { real_time_factor: factor }, `Speed set to × ${factor}.`);
   }
 
   push() {
@@ -85,7 +77,7 @@ class Simulation extends Panel {
       <div class="line">${press(paused ? "Resume" : "Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause(), { needs: "change" })}
         ${press("Step", "Run so many cycles while paused.", () => this.stepOn(), { needs: "change", off: !paused })}${this.steps}cycles</div>
       <div class="line"><label>speed × ${this.factor}</label>${press("Set", "Simulated seconds per second.", () => this.setFactor(), { needs: "change" })}</div>
-      <div class="line">${press("Reset", "Put the world back; earlier set-points and goals are void.", () => this.act("/simulation/reset", { keyframe: this.keyframe.value || null }, "Simulation reset."), { needs: "change" })} to ${this.keyframe}</div>
+      <div class="line">${press("Reset", "Put the world back; earlier set-points and goals are void.", () => this.ask("POST", "/simulation/reset", { keyframe: this.keyframe.value || null }, "Simulation reset."), { needs: "change" })} to ${this.keyframe}</div>
       <div class="line" ?hidden=${!arms.length}>${this.arm}${press("Push hand", "Push the hand for 0.3 s.", () => this.push(), { needs: "change" })}${this.force} N</div>
       <div class="line" ?hidden=${!arms.length}>${press("Inject fault", "For exercises: the arm reacts as to a real one.", () => this.inject(), { needs: "change" })}${this.fault}
         ${press("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`).then(() => this.look()), { needs: "change", off: () => !this.faults?.length })}${press("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }), { needs: "change", off: () => this.isStopped })}</div>`);

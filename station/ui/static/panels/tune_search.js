@@ -1,16 +1,11 @@
 // "Tune for me": a search for better gains in a simulated copy of the station, its
 // progress and its best so far; nothing is applied before a person has seen the change.
-import { act, angleField, api, drawn, field, figure, h, html, number, Panel, press, refusals } from "../lib/panel.js";
+import { act, angleField, api, drawn, field, h, html, number, Panel, press, refusals } from "../lib/panel.js";
 import { Plot, responseTraces } from "../lib/plot.js";
+import { FIGURES, figureOf } from "./bench.js";
 
 const LOOK_MS = 1000;
-const SHOWN = [
-  ["rms_error", "RMS error", 1e3, "mrad"],
-  ["rise_time", "rise", 1e3, "ms"],
-  ["overshoot", "overshoot", 100, "%"],
-  ["settling_time", "settling", 1e3, "ms"],
-  ["effort_peak", "torque peak", 1, "Nm"],
-];
+const SHOWN = FIGURES.filter(([key]) => ["rise_time", "overshoot", "settling_time", "rms_error", "effort_peak"].includes(key));
 
 class TuneSearch extends Panel {
   build() {
@@ -83,8 +78,7 @@ class TuneSearch extends Panel {
   draw() {
     const told = this.shown;
     const running = told?.state === "running";
-    const cell = (trial, [key, , scale, unit]) => (trial?.metrics[key] == null ? "–" : figure(trial.metrics[key] * scale, unit, 2));
-    const row = (one) => html`<tr><td>${one[1]}</td><td>${cell(told.first, one)}</td><td>${cell(told.best, one)}</td></tr>`;
+    const row = (one) => html`<tr><td>${one[1]}</td>${[told.first, told.best].map((trial) => html`<td>${trial ? figureOf(trial, one) : "–"}</td>`)}</tr>`;
     const says = told ? this.progressOf(told) : "Tries gains in a simulated copy of this station, in a process of its own; the robot stays as it is. You see the change before it is applied.";
     drawn(this, html`<div class="line"><b>Search</b>${Object.values(this.fields).map(({ label }) => label)}
         ${press("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), { look: "s primary", needs: "change", off: () => this.isStarting || this.shown?.state === "running" || !this.tuning?.chosen.controller })}

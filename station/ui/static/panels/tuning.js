@@ -163,7 +163,6 @@ class Tuning extends Panel {
 
 /** Return the choices of a gain that is an enumeration: its description numbers them. */
 function choicesOf(schema) {
-  if (schema.choices) return Object.entries(schema.choices);
   const listed = /:\s*(\d+ [^,]+(?:, \d+ [^,]+)+)$/.exec(schema.description ?? "");
   if (!listed || schema.unit) return null;
   return listed[1].split(", ").map((part) => [part.split(" ")[0], part.replace(/^\d+ (of )?/, "")]);
