@@ -239,6 +239,12 @@ class StreamProtocol(WebSocketsSansIOProtocol):
         if self._resumed is not None:
             self._resumed()
 
+    @override
+    def shutdown(self) -> None:
+        # Uvicorn would close a client that has just closed again, and fail by that.
+        if not self.transport.is_closing():
+            super().shutdown()
+
     def write_frame(self, wire: bytes) -> None:
         """Write a whole WebSocket frame, unless the connection is being closed.
 

@@ -1,5 +1,7 @@
 """Getting rid of a client over uvicorn's protocol."""
 
+from queue import SimpleQueue
+
 import pytest
 from websockets.exceptions import ConnectionClosed
 
@@ -54,3 +56,24 @@ def read_all(raw):
     while raw.recv(65536):
         pass
     raise EOFError
+
+
+def test_a_client_that_has_just_closed_does_not_disturb_the_end_of_the_server(
+    server, monkeypatch
+):
+    outcomes = SimpleQueue()
+    original = StreamProtocol.handle_close
+
+    def end_at_once(self, event):
+        original(self, event)
+        try:
+            outcomes.put(self.shutdown())
+        except Exception as error:
+            outcomes.put(error)
+            raise
+
+    monkeypatch.setattr(StreamProtocol, "handle_close", end_at_once)
+    with open_stream(server) as stream:
+        stream.recv()
+
+    assert outcomes.get(timeout=5.0) is None
