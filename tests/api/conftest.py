@@ -17,10 +17,18 @@ URL = "http://127.0.0.1:8000"
 
 
 class AppTransport(httpx.BaseTransport):
-    """Carries each request to an app in an event loop of its own."""
+    """Carries each request to an app in an event loop of its own.
+
+    A refusal that the document of the API does not have at its route fails the test.
+    """
 
     def __init__(self, app):
-        self._inner = httpx.ASGITransport(app, raise_app_exceptions=False)
+        self._app = app
+        self._inner = httpx.ASGITransport(self._noting, raise_app_exceptions=False)
+
+    async def _noting(self, scope, receive, send):
+        self._scope = scope
+        await self._app(scope, receive, send)
 
     def handle_request(self, request):
         """Return the app's answer."""
@@ -32,6 +40,10 @@ class AppTransport(httpx.BaseTransport):
             request.method, request.url, headers=request.headers, content=content
         )
         answer = await self._inner.handle_async_request(request)
+        route, status = self._scope.get("route"), answer.status_code
+        if getattr(route, "include_in_schema", False) and 400 <= status < 500:
+            documented = {405, 412, 423, *route.responses}  # three at every route
+            assert status in documented, route.path
         content = b"".join([part async for part in answer.aiter_raw()])
         return httpx.Response(
             answer.status_code, headers=answer.headers, content=content

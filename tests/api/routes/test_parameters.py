@@ -31,6 +31,14 @@ def test_an_unknown_parameter_is_404(client):
     assert caught.value.status == 404
 
 
+def test_what_is_not_there_or_being_read_is_not_deleted(operator, station):
+    problem_of(operator.delete(f"{PARAMETERS}/nothing"), 404, "parameter_not_found")
+    with station.manager.announce("slow"):
+        problem_of(operator.delete(f"{PARAMETERS}/slow/p"), 409, "controller_exists")
+        put = operator.put(f"{PARAMETERS}/slow/p", json={"value": 1})
+        problem_of(put, 409, "controller_exists")
+
+
 @pytest.mark.parametrize(
     ("path", "body"),
     [
