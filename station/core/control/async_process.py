@@ -61,7 +61,7 @@ class _Request(NamedTuple):
         started: Station time of a start that comes first [s]; None without.
         memory: Content of all storages.
         tunables: The run-time parameters, if they have changed.
-        set_point: Changes of the set-point, see `SetPointPort.take_news`.
+        set_point: Changes of the set-point, see `SetPointPort.take_changes`.
     """
 
     method: str
@@ -194,7 +194,7 @@ class ProcessUpdate(AsyncUpdate):
             self._started,
             b"".join(map(_bytes_of, self._memory)),
             None if tunables is self._told else tunables,
-            ports.take_news() if ports is not None and ports.has_changed() else None,
+            ports.take_changes() if ports is not None and ports.has_changed() else None,
         )
         try:
             self._connection.send(request)
@@ -378,7 +378,7 @@ def _carry_out(
         if request.tunables is not None:
             controller.tunables.apply(request.tunables)
         if request.set_point is not None and controller.set_points is not None:
-            controller.set_points.follow_news(request.set_point)
+            controller.set_points.follow_changes(request.set_point)
         if request.started is not None:
             controller.starting(request.started)
         getattr(controller, request.method)(*request.arguments)

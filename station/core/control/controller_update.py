@@ -181,7 +181,7 @@ class ControllerUpdate:
         self, one: LoadedController, time: float, period: float
     ) -> None:
         """Update one controller in the cycles of its rate, and check its commands."""
-        elapsed = one.take_turn(period) if one.every > 1 else period
+        elapsed = one.count_cycle(period) if one.every > 1 else period
         if elapsed < 0.0:
             return
         stopwatch = self.stopwatch

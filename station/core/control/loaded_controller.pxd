@@ -18,4 +18,4 @@ cdef class LoadedController:
     cdef readonly DurationRing durations
     cdef public long long overruns, late_updates
     cdef long long overruns_before
-    cpdef double take_turn(self, double period)
+    cpdef double count_cycle(self, double period)

@@ -129,7 +129,7 @@ class LoadedController:
         if self.beside is not None:
             self.beside.every, self.every = self.every, 1
 
-    def take_turn(self, period: float) -> float:
+    def count_cycle(self, period: float) -> float:
         """Count a cycle; return the time since its last update if an update is due.
 
         Otherwise its commands are kept.

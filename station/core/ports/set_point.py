@@ -241,7 +241,7 @@ class SetPointPort:
             self._in_force.end()
         return True
 
-    def take_news(self) -> tuple[bool, list[float] | None, bool]:
+    def take_changes(self) -> tuple[bool, list[float] | None, bool]:
         """Take the changes, for a port that follows this one. In an update only.
 
         Returns:
@@ -250,9 +250,9 @@ class SetPointPort:
         """
         return self.take_void(), self.take(), self.take_expiry()
 
-    def follow_news(self, news: tuple[bool, list[float] | None, bool]) -> None:
+    def follow_changes(self, changes: tuple[bool, list[float] | None, bool]) -> None:
         """Take the changes of the port that this one follows."""
-        was_void, values, has_expired = news
+        was_void, values, has_expired = changes
         if was_void:
             self.clear()
         # The other port says when it expires.

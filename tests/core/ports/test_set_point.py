@@ -86,22 +86,22 @@ def test_another_port_follows_set_points_their_expiry_and_their_end(port, clock)
     # Its own clock and time limit do not count.
     other = SetPointPort(ELEMENTS, timeout=0.1, clock=ManualClock(100.0))
     port.post([0.1, 0.2])
-    other.follow_news(port.take_news())
+    other.follow_changes(port.take_changes())
     assert (other.take_void(), other.take(), other.take_expiry()) == (
         False, [0.1, 0.2], False,
     )  # fmt: skip
     clock.advance(0.6)
-    other.follow_news(port.take_news())
+    other.follow_changes(port.take_changes())
     assert (other.take(), other.take_expiry(), other.take_expiry()) == (
         None, True, False,
     )  # fmt: skip
     # One that came too late is picked up and expires at once.
     port.post([0.3, 0.3])
     clock.advance(0.6)
-    other.follow_news(port.take_news())
+    other.follow_changes(port.take_changes())
     assert (other.take(), other.take_expiry()) == ([0.3, 0.3], True)
     port.clear()
-    other.follow_news(port.take_news())
+    other.follow_changes(port.take_changes())
     assert other.take_void()
     assert other.last is None
 
