@@ -1,4 +1,4 @@
-from station.memory.vectors cimport any_of
+from station.memory.vectors cimport any_of, copy_into
 from station.core.franka.joint_memory cimport JointMemory
 
 cdef class DesiredMotion:

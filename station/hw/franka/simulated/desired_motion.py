@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from station.core.franka.joint_memory import JointMemory
 from station.memory.doubles import own, own_zeros, put
-from station.memory.vectors import any_of
+from station.memory.vectors import any_of, copy_into
 
 
 class DesiredMotion:
@@ -89,9 +89,7 @@ class DesiredMotion:
 
     def follow_velocities(self) -> None:
         """Move on with the velocities in `target`; at a limit a joint stops."""
-        wanted, target = self.wanted, self.memory.target
-        for i in range(self.size):
-            wanted[i] = target[i]
+        copy_into(self.wanted, 0, self.memory.target, self.size)
         self.move()
 
     def move(self) -> None:
