@@ -9,7 +9,7 @@ those of the simulation, so nothing is estimated but the load.
 """
 
 import random
-from functools import cache
+from functools import lru_cache
 from math import pi
 
 import numpy as np
@@ -409,7 +409,9 @@ class MomentumObserver(ContactEstimate):
             self.observer.cycles_to_loss = 1 + round(wait)
 
 
-@cache
+# Arms of the same seed share them, because to draw them takes 5 ms.
+# A few alone, because trials of chance take a new seed each time.
+@lru_cache(maxsize=8)
 def _random_numbers(seed: int) -> Doubles:
     dice = random.Random(seed)
     return doubles(dice.gauss(0.0, 1.0) for _ in range(_NUMBERS))

@@ -11,6 +11,7 @@ from station.hw.franka.fci.wire.robot_protocol import Exchange
 from station.hw.franka.fci.wire.structure import Structure
 
 _Command = TypeVar("_Command", bound=IntEnum)
+_Kind = TypeVar("_Kind")
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 """The fields of a message without fields."""
 
@@ -74,39 +75,44 @@ class Answer(Generic[_Command]):
     rest: bytes = b""
 
 
-class Frames:
+class Frames(Generic[_Kind]):
     """Cuts a stream of TCP bytes into messages, however TCP has cut them.
 
     It also puts heads before messages.
 
     Args:
         header: Head of every message.
-        check: Refuses the head of a message that the protocol does not have.
+        kind_of: Returns the kind of a message, given its head; refuses the head of a
+            message that the protocol does not have.
     """
 
     def __init__(
-        self, header: Structure, check: Callable[[Mapping[str, int]], object]
+        self, header: Structure, kind_of: Callable[[Mapping[str, int]], _Kind]
     ) -> None:
         self._header = header
-        self._check = check
+        self._kind_of = kind_of
         self._received = bytearray()
 
-    def feed(self, data: bytes) -> Iterator[tuple[Mapping[str, int], bytes]]:
-        """Return head and body of complete messages; the rest waits for more bytes.
+    def feed(self, data: bytes) -> Iterator[tuple[_Kind, int, bytes]]:
+        """Return the complete messages; the rest waits for more bytes.
 
         Args:
             data: The next bytes of the stream.
+
+        Returns:
+            Kind, number of the request, and body of each message.
         """
         self._received += data
         head_size = self._header.size
         while len(self._received) >= head_size:
             head = self._header.unpack(self._received[:head_size])
-            self._check(head)
+            # Before the body is there: the size of a foreign head means nothing.
+            kind = self._kind_of(head)
             if len(self._received) < head["size"]:
                 return
             body = bytes(self._received[head_size : head["size"]])
             del self._received[: head["size"]]
-            yield head, body
+            yield kind, head["command_id"], body
 
     def pack(self, command: int, command_id: int, body: bytes) -> bytes:
         """Return a message with its head.
@@ -114,7 +120,7 @@ class Frames:
         Args:
             command: Number of the command on the wire.
             command_id: Number of the request.
-            body: What follows the head.
+            body: Bytes after the head.
         """
         head = {"command": command, "command_id": command_id}
         return self._header.pack({**head, "size": self._header.size + len(body)}) + body
@@ -157,13 +163,12 @@ class Messages(Generic[_Command]):
         Raises:
             FciProtocolError: The stream has no answer of the protocol in it.
         """
-        for head, body in self._frames.feed(data):
-            command, exchange = self._response_of(head)
+        for (command, exchange), number, body in self._frames.feed(data):
             response = exchange.response
             values = response.unpack(body[: response.size])
             status = exchange.status_of(values["status"])
             rest = body[response.size :]
-            yield Answer(command, head["command_id"], status, values, rest)
+            yield Answer(command, number, status, values, rest)
 
     def _response_of(self, head: Mapping[str, int]) -> tuple[_Command, Exchange]:
         number = head["command"]
@@ -181,7 +186,7 @@ class Request(Generic[_Command]):
     """One request of a client.
 
     Attributes:
-        command: What is asked for.
+        command: The requested command.
         command_id: Number of the request, which its answers repeat.
         values: The fields of the request.
     """
@@ -216,10 +221,9 @@ class MessageReader(Generic[_Command]):
             FciProtocolError: A command is unknown, or its size is another one than the
                 protocol has.
         """
-        for head, body in self._frames.feed(data):
-            command = self._command_in(head)
+        for command, number, body in self._frames.feed(data):
             values = self._exchanges[command].request.unpack(body)
-            yield Request(command, head["command_id"], values)
+            yield Request(command, number, values)
 
     def answer(
         self,
@@ -232,10 +236,10 @@ class MessageReader(Generic[_Command]):
         """Return an answer as bytes.
 
         Args:
-            request: What is answered.
+            request: The request.
             status: The status, one of those that the version has for the command.
             values: The fields of the answer behind the status.
-            tail: What follows the fields, e.g. a model.
+            tail: Bytes after the fields, e.g. a model.
         """
         exchange = self._exchanges[request.command]
         number = exchange.statuses.index(status)

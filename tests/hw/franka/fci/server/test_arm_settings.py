@@ -6,23 +6,6 @@ import pytest
 
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.fci.wire.robot_protocol import Command, SetterStatus
-from tests.hw.franka.fci.server.robot_client import RobotClient
-from tests.hw.franka.scripted_arm import ScriptedArm
-
-
-@pytest.fixture
-def arm():
-    return ScriptedArm()
-
-
-@pytest.fixture
-def client(arm):
-    """A client that is connected and has seen a state."""
-    made = RobotClient(arm)
-    made.connect()
-    made.cycle()
-    return made
-
 
 GOOD = {
     Command.SET_COLLISION_BEHAVIOR: {

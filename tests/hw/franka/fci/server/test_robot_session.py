@@ -34,23 +34,8 @@ from tests.hw.franka.fci.server.robot_client import (
     answers,
     request,
 )
-from tests.hw.franka.scripted_arm import ScriptedArm
 
 LOST = "communication_constraints_violation"
-
-
-@pytest.fixture
-def arm():
-    return ScriptedArm()
-
-
-@pytest.fixture
-def client(arm):
-    """A client that is connected and has seen a state."""
-    made = RobotClient(arm)
-    made.connect()
-    made.cycle()
-    return made
 
 
 def q_of(arm, delta=0.0):

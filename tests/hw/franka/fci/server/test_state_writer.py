@@ -5,22 +5,6 @@ import pytest
 from station.core.franka import RobotMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.fci.wire.robot_protocol import NO_CONTROLLER, NO_GENERATOR
-from tests.hw.franka.fci.server.robot_client import RobotClient
-from tests.hw.franka.scripted_arm import ScriptedArm
-
-
-@pytest.fixture
-def arm():
-    return ScriptedArm()
-
-
-@pytest.fixture
-def client(arm):
-    """A client that is connected and has seen a state."""
-    made = RobotClient(arm)
-    made.connect()
-    made.cycle()
-    return made
 
 
 def test_state_has_the_arms_numbers_modes_and_flags(client, arm):

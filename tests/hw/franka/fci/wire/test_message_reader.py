@@ -4,22 +4,7 @@ import pytest
 
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import HEADER, Command
-from tests.hw.franka.fci.server.robot_client import RobotClient, request
-from tests.hw.franka.scripted_arm import ScriptedArm
-
-
-@pytest.fixture
-def arm():
-    return ScriptedArm()
-
-
-@pytest.fixture
-def client(arm):
-    """A client that is connected and has seen a state."""
-    made = RobotClient(arm)
-    made.connect()
-    made.cycle()
-    return made
+from tests.hw.franka.fci.server.robot_client import request
 
 
 def test_requests_may_arrive_in_pieces_and_together(client):
