@@ -143,7 +143,7 @@ class PoseMotion:
         return positions
 
     def undo(self, velocities: list[float], accelerations: list[float]) -> None:
-        """Put the pose back to where it was before `move`.
+        """Restore the pose before `move`.
 
         Args:
             velocities: Velocities of the axes before, shape (6,).

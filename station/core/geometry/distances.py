@@ -181,7 +181,7 @@ class Nearness:
             x: The point in the frame of the solid [m], as the next two.
             y: See `x`.
             z: See `x`.
-            o: Where the row of the solid begins.
+            o: Index of the solid's first number.
         """
         solids, triangles, normal = self.solids, self.triangles, self.normal
         begin, count = int(solids[o + 18]), int(solids[o + 19])

@@ -328,7 +328,7 @@ class JointChain:
             last of the frame in that of the last joint, 16 numbers each.
         axes: Axis of each joint of the chain in its own frame, 3 numbers each.
         turns: 1 for each joint that turns, 0 for each that slides.
-        places: Which of the n positions is that of each joint of the chain.
+        places: Index among the n positions of each joint of the chain.
 
     Attributes:
         pose: Pose of the frame in the base, 16 numbers.
@@ -479,7 +479,7 @@ class WrenchEquation:
 
         Args:
             b: The right-hand side, shape (6,).
-            x: Where the solution goes, shape (6,); may be `b`.
+            x: Receives the solution, shape (6,); may be `b`.
         """
         l10, l20, l30, l40 = self.l10, self.l20, self.l30, self.l40
         l50, l21, l31, l41 = self.l50, self.l21, self.l31, self.l41

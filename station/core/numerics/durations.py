@@ -64,7 +64,7 @@ def percentiles_of(
     """Return the percentiles of durations; they are sorted in place.
 
     Args:
-        durations: Those that are kept [s], shape (n,), n may be 0.
+        durations: The kept durations [s], shape (n,), n may be 0.
         largest: The largest one ever [s].
         count: How many there were.
     """

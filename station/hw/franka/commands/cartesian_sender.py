@@ -285,7 +285,7 @@ class PoseBridge:
         period: Duration of a cycle of the arm [s], > 0.
 
     Attributes:
-        is_on_commands: Whether the poses to send are those that are commanded.
+        is_on_commands: Whether the sent poses equal the commanded ones.
         pose: The pose to send otherwise, 16 numbers.
         elbow: The elbow to send otherwise, shape (2,).
     """
@@ -336,7 +336,7 @@ class PoseBridge:
         self.last_cycle = self.cycle
 
     def repeats(self, pose: Doubles) -> bool:
-        """Return whether a pose is the one that was noted last."""
+        """Return whether a pose equals the last noted one."""
         start = _POSE * self.newest
         return not differ(self.poses[start : start + _POSE], pose, _POSE)
 

@@ -147,7 +147,7 @@ def bend(q: Doubles, result: Doubles) -> None:
 
     Args:
         q: Joint positions [rad], shape (n,).
-        result: Where the elbow goes, shape (2,).
+        result: Receives the elbow, shape (2,).
     """
     flip = q[3] - _EXTENSION
     result[0] = q[2]
@@ -162,7 +162,7 @@ class InverseKinematics:
         q: Joint positions [rad], shape (n,).
         tool: End effector in the flange frame, 16 numbers.
         target: Pose to reach, 16 numbers.
-        step: Where a step goes [rad], shape (n,).
+        step: Receives a step [rad], shape (n,).
     """
 
     def __init__(
