@@ -6,8 +6,6 @@ limitRate; src/control_loop.cpp, convertMotion and ControlLoop::spinControl.
 
 from collections.abc import Iterable
 
-import cython
-
 from station.memory.doubles import Doubles, Storage, own, own_zeros
 from station.memory.functions import square_root
 from station.memory.vectors import copy_into
@@ -208,8 +206,6 @@ class CommandRates:
     def filter_torques(self) -> None:
         """Compute the torques to send."""
         last, result = self.tau_J_d, self.result
-        if not cython.compiled:  # lists are read faster
-            last = last.tolist()  # type: ignore[assignment]
         low_pass(self.efforts, last, self.gain, result, self.size)
         if self.is_limiting:
             limit_steps(result, last, self.torque_step)
@@ -218,8 +214,6 @@ class CommandRates:
         """Compute the velocities to send."""
         result, period = self.result, self.period
         dq_d, ddq_d = self.dq_d, self.ddq_d
-        if not cython.compiled:  # lists are read faster
-            dq_d, ddq_d = dq_d.tolist(), ddq_d.tolist()  # type: ignore[assignment]
         low_pass(self.velocities, dq_d, self.gain, result, self.size)
         if not self.is_limiting:
             return
@@ -241,8 +235,6 @@ class CommandRates:
         """Compute the positions to send, towards the noted goals."""
         result, period = self.result, self.period
         q_d, dq_d, ddq_d = self.q_d, self.dq_d, self.ddq_d
-        if not cython.compiled:  # lists are read faster
-            q_d, dq_d, ddq_d = q_d.tolist(), dq_d.tolist(), ddq_d.tolist()  # type: ignore[assignment]
         gain = 1.0 if self.passes_next else self.gain
         self.passes_next = False
         low_pass(self.positions, q_d, gain, result, self.size)

@@ -123,10 +123,6 @@ class JointMotors:
             if self.is_new:
                 self.note_motion()
             q_d, dq_d, ddq_d = self.late_q, self.late_dq, self.late_ddq
-        elif not cython.compiled:  # lists are read faster
-            q_d, dq_d, ddq_d = q_d.tolist(), dq_d.tolist(), ddq_d.tolist()  # type: ignore[assignment]
-            bias, compensation = bias.tolist(), compensation.tolist()  # type: ignore[assignment]
-            q, dq = q.tolist(), dq.tolist()  # type: ignore[assignment]
         inertia, diagonal = simulator.inertia, simulator.diagonal
         controls, load = simulator.controls, self.load_weight
         tau_d, limits = memory.tau_J_d, self.limits
@@ -171,17 +167,14 @@ class JointMotors:
         motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
         compensation, damping = simulator.compensation, self.damping
         drag, rotor, limits = self.drag, self.rotor, self.limits
-        befores = dtheta
         if cython.compiled:
             copy_into(memory.last_tau_J, 0, tau, self.size)
         else:
             # The same, without a call of Python around it.
             memory.last_tau_J[:] = tau
-            motor_forces, brake_forces = motor_forces.tolist(), brake_forces.tolist()  # type: ignore[assignment]
-            compensation, befores = compensation.tolist(), dtheta.tolist()  # type: ignore[assignment]
         for i in range(self.size):
             velocity, force = velocities[i], motor_forces[i]
-            before, damper = befores[i], damping[i]
+            before, damper = dtheta[i], damping[i]
             torque = force + brake_forces[i] + compensation[i]
             torque += rotor[i] * before - drag[i] * velocity
             if damper != 0.0:

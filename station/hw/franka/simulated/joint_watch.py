@@ -5,8 +5,6 @@ faster, or further away, than if all joints turned about the same axis. The end 
 is computed only when that sum exceeds its limits.
 """
 
-import cython
-
 from station.core.franka.joint_memory import JointMemory
 from station.core.numerics.arm_chain import (
     new_links,
@@ -117,8 +115,6 @@ class JointWatch:
         q, dq, tau, q_d = memory.positions, memory.dtheta, memory.tau_J, memory.q_d
         lower, upper, largest = self.lower, self.upper, self.torque
         slowest, fastest = self.slowest, self.fastest
-        if not cython.compiled:  # lists are read in a third of the time
-            q, dq, tau = q.tolist(), dq.tolist(), tau.tolist()  # type: ignore[assignment]
         total = power = away = 0.0
         # How far a joint of 1 rad/s may have moved any point of the arm.
         reach = self.reach_in_a_cycle if has_moved else 0.0

@@ -9,8 +9,6 @@ an FR3 never reports.
 
 from math import inf
 
-import cython
-
 from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.velocity_curves import VelocityCurves
@@ -138,8 +136,6 @@ class MotionCheck:
             for i in range(self.size):
                 before[i] = q[i] - dq[i] * period
             self.curves.put(before, slowest, fastest)
-        if not cython.compiled:  # lists are read faster
-            last_dq, last_ddq = last_dq.tolist(), last_ddq.tolist()  # type: ignore[assignment]
         for i in range(self.size):
             position, velocity = q[i], dq[i]
             acceleration = (velocity - last_dq[i]) / period
@@ -170,8 +166,6 @@ class MotionCheck:
         memory, largest = self.memory, self.torque_step
         lowest = -largest
         tau, last, sent = memory.torques, memory.tau_J_d, memory.sent
-        if not cython.compiled:  # lists are read faster
-            last = last.tolist()  # type: ignore[assignment]
         for i in range(self.size):
             # Without the call of `abs` where this is interpreted.
             if not lowest <= tau[i] - last[i] <= largest:
