@@ -17,7 +17,7 @@ def low_pass(
     """Write the first-order low-pass of commands.
 
     Args:
-        values: The new commands, shape (>= size,).
+        values: The new commands, shape (size,).
         last: The filter's last output, shape (>= size,).
         gain: Share of the new commands, 0 to 1; 1 is off.
         result: Receives the output, shape (>= size,).
@@ -28,7 +28,7 @@ def low_pass(
         for i in range(size):
             result[i] = gain * values[i] + rest * last[i]
     else:
-        copy_into(result, 0, values[:size], size)
+        copy_into(result, 0, values, size)
 
 
 def limited(

@@ -197,7 +197,7 @@ class PoseRates:
             passes: As for `filter_pose`.
         """
         last, sent, limits = self.elbow, self.sent_elbow, self.elbow_limits
-        low_pass(elbow, last, 1.0 if passes else self.gain, sent, 1)
+        low_pass(elbow[:1], last, 1.0 if passes else self.gain, sent, 1)
         # The sign of joint 4 is a choice, nothing to filter.
         sent[1] = elbow[1]
         if self.is_limiting:
