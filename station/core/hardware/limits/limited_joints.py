@@ -284,16 +284,18 @@ class VelocitySoftLimits(LimitedJoints):
         position, command, previous = self.position, self.command, self.previous
         soft_min, soft_max, k_position = self.soft_min, self.soft_max, self.k_position
         max_velocity, max_acceleration = self.max_velocity, self.max_acceleration
+        free_min, free_max = self.free_min, self.free_max
         for i in range(first, last):
             speed = max_velocity[i]
             range_low = -speed
             range_high = speed
-            bound = soft_min[i]
-            if bound == bound:  # not NaN: the joint has a range
-                gain = k_position[i]
-                p = position[i]
-                range_low = approach(p - bound, gain, speed)
-                range_high = approach(p - soft_max[i], gain, speed)
+            p = position[i]
+            if not free_min[i] <= p <= free_max[i]:
+                bound = soft_min[i]
+                if bound == bound:  # not NaN: the joint has a range
+                    gain = k_position[i]
+                    range_low = approach(p - bound, gain, speed)
+                    range_high = approach(p - soft_max[i], gain, speed)
             low = range_low
             high = range_high
             acceleration = max_acceleration[i]
