@@ -7,7 +7,7 @@ jump; what a controller writes while it does not own its resources is put back.
 """
 
 from collections.abc import Callable, Sequence
-from math import inf, isfinite
+from math import isfinite
 
 from station.core.control.chainable_controller import ChainableController
 from station.core.control.chains import REFERENCES, find_conflicts
@@ -132,9 +132,7 @@ class ControllerLifecycle:
         one.fault = one.traceback = None
         # The robot has just entered the mode of this controller.
         one.is_unreleased = False
-        # A fault of an earlier run must not count against this one.
-        one.late_updates = 0
-        one.stalled_at = -inf
+        one.times.forget_late_updates()
         one.watch_first_update()
         self.gate.is_stale = True
         return None

@@ -414,7 +414,7 @@ class ControllerManager:
     def reset_statistics(self) -> None:
         """Start the statistics of all controllers anew."""
         for loaded in self.lifecycle.loaded:
-            loaded.reset_statistics()
+            loaded.times.reset()
 
     # Switching
 

@@ -198,14 +198,15 @@ class ControllerUpdate:
             if not block.copy_commands():
                 is_finite = False
         duration = (wall_time() if stopwatch is None else stopwatch()) - begin
-        one.durations.add(duration)
+        times = one.times
+        times.add(duration)
         # In a standstill the period is zero, and nothing is late.
         if duration > period and period > 0.0:
-            one.overruns += 1
-            one.last_overrun = time
+            times.overruns += 1
+            times.last_overrun = time
         if not is_finite or one.fresh:
             self._check_commands(one, time, is_finite=is_finite)
-        if duration > self.update_budget or one.late_updates:
+        if duration > self.update_budget or times.late_updates:
             self._judge_duration(one, time, duration)
         if self.gate.traced_cycles:
             self._find_intrusion(one, time)
@@ -266,16 +267,17 @@ class ControllerUpdate:
         self, one: LoadedController, time: float, duration: float
     ) -> None:
         """Stop a controller whose updates keep taking longer than the budget."""
+        times = one.times
         # A single update in time ends the row.
         if duration <= self.update_budget or one.controller.state is not _RUNNING:
-            one.late_updates = 0
+            times.late_updates = 0
             return
-        one.late_updates += 1
+        times.late_updates += 1
         is_stalled_again = False
         if duration >= LONGEST_UPDATE:
-            is_stalled_again = time - one.stalled_at <= STALL_MEMORY
-            one.stalled_at = time
-        if one.late_updates >= LATE_UPDATES:
+            is_stalled_again = time - times.stalled_at <= STALL_MEMORY
+            times.stalled_at = time
+        if times.late_updates >= LATE_UPDATES:
             times = f"{LATE_UPDATES} in a row"
         elif is_stalled_again:
             times = f"and one within {STALL_MEMORY:g} s before it as long"

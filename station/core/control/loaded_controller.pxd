@@ -1,6 +1,11 @@
 from station.core.control.sample_columns cimport SampleColumns
 from station.core.numerics.durations cimport DurationRing
 
+cdef class UpdateTimes(DurationRing):
+    cdef public double last_overrun, stalled_at
+    cdef public long long overruns, late_updates
+    cdef readonly long long overruns_before
+
 cdef class LoadedController:
     cdef readonly object controller, info, commands, ownership
     cdef readonly list blocks
@@ -9,13 +14,11 @@ cdef class LoadedController:
     cdef readonly bint may_jump
     cdef tuple notes
     cdef public object fault, traceback, beside
-    cdef public double update_rate, elapsed, last_overrun, stalled_at
+    cdef public double update_rate, elapsed
     cdef readonly double loop_period
     cdef readonly long every
     cdef public long countdown, place
     cdef public bint is_unreleased, fresh
     cdef object last_set_point, last_goal
-    cdef readonly DurationRing durations
-    cdef public long long overruns, late_updates
-    cdef long long overruns_before
+    cdef readonly UpdateTimes times
     cpdef double count_cycle(self, double period)

@@ -28,6 +28,34 @@ if TYPE_CHECKING:
     from station.core.control.sample_columns import SampleColumns
 
 
+class UpdateTimes(DurationRing):
+    """Durations of a controller's updates [s], and those that took too long.
+
+    Attributes:
+        overruns: Updates that took longer than the period, since it was loaded.
+        last_overrun: Station time of the last of them [s].
+        late_updates: Updates in a row that took longer than the budget.
+        stalled_at: Station time of its last update that took very long [s]; minus
+            infinity since its start.
+    """
+
+    def __init__(self) -> None:
+        self.overruns = self.overruns_before = 0
+        self.forget_late_updates()
+        super().__init__(1024)
+
+    def reset(self) -> None:
+        """Start the statistics anew; control thread or between cycles."""
+        super().reset()
+        self.overruns_before = self.overruns
+        self.last_overrun = 0.0
+
+    def forget_late_updates(self) -> None:
+        """Let no late update of an earlier run count against this one."""
+        self.late_updates = 0
+        self.stalled_at = -inf
+
+
 class LoadedController:
     """The manager's record of a loaded controller.
 
@@ -43,12 +71,7 @@ class LoadedController:
             stopped, so that the robot may still be in the controller's mode.
         fresh: Whether it was started and has not been updated yet.
         ownership: Lock of a start or an unloading; never waited for.
-        durations: Durations of its updates [s].
-        overruns: Updates that took longer than the period, since it was loaded.
-        last_overrun: Station time of the last of them [s].
-        late_updates: Updates in a row that took longer than the budget.
-        stalled_at: Station time of its last update that took very long [s]; minus
-            infinity since its start.
+        times: Durations of its updates.
         sampled: The columns of its sample; None if it makes samples itself.
         place: Index of its first column in a snapshot's row; -1 without columns.
         references: References that it exports.
@@ -103,12 +126,7 @@ class LoadedController:
         self.last_set_point: list[float] | None = None
         self.last_goal: Goal | None = None
         self.ownership = threading.Lock()
-        self.durations = DurationRing(1024)
-        self.overruns = 0
-        self.overruns_before = 0
-        self.last_overrun = 0.0
-        self.late_updates = 0
-        self.stalled_at = -inf
+        self.times = UpdateTimes()
 
     def set_loop_period(self, period: float) -> None:
         """Choose the possible rate that is nearest to the one asked for.
@@ -166,12 +184,6 @@ class LoadedController:
             f"{1.0 / self.loop_period:g} Hz: it is updated at {actual:g} Hz, the "
             "nearest possible rate.",
         )
-
-    def reset_statistics(self) -> None:
-        """Start the statistics anew; control thread or between cycles."""
-        self.durations.reset()
-        self.overruns_before = self.overruns
-        self.last_overrun = 0.0
 
     def watch_first_update(self) -> None:
         """Note that the controller was started and has not been updated yet."""
@@ -232,7 +244,7 @@ class LoadedController:
             self.fault,
             self.traceback,
             self.fallback,
-            self.durations.percentiles(),
+            self.times.percentiles(),
             (*self.notes, *self._rate_notes(), *tunables.notes(tunables.values)),
             self.actual_rate(),
             None if self.beside is None else self.beside.statistics(),
@@ -258,9 +270,10 @@ class LoadedController:
 
     def statistics(self, time: float) -> ControllerStatistics:
         """Return its statistics at station time `time` [s]. Any thread."""
-        percentiles = self.durations.percentiles()
+        times = self.times
+        percentiles = times.percentiles()
         count = max(percentiles.count, 1)
-        mean = self.durations.total / count
+        mean = times.total / count
         return ControllerStatistics(
             self.info.name,
             self.info.type,
@@ -269,11 +282,11 @@ class LoadedController:
             percentiles.max,
             mean,
             # Rounding can make it slightly negative.
-            max(self.durations.squares / count - mean * mean, 0.0),
-            self.overruns - self.overruns_before,
-            self.last_overrun,
+            max(times.squares / count - mean * mean, 0.0),
+            times.overruns - times.overruns_before,
+            times.last_overrun,
             percentiles,
-            self.durations.added,
-            self.overruns,
+            times.added,
+            times.overruns,
             self.actual_rate(),
         )

@@ -200,7 +200,6 @@ class ArmParts:
             check=check,
             watch=watch,
             log=log,
-            simulator=simulator,
             world=world.stepping,
         )
         self.supervisor = ArmSupervisor(state, thresholds, watch, log)
@@ -210,6 +209,6 @@ class ArmParts:
             if realism is None
             else MomentumObserver(*seen, realism, memory, simulator)
         )
-        self.step.contact, self.step.observer = self.contact, self.contact.observer
+        self.step.observer = self.contact.observer
         if realism is not None:
             joint_motors.is_late = realism.commands_are_late

@@ -8,7 +8,6 @@ from station.hw.franka.simulated.joint_motors cimport JointMotors
 from station.hw.franka.simulated.joint_watch cimport JointWatch
 from station.hw.franka.simulated.motion_check cimport MotionCheck
 from station.hw.franka.simulated.violations cimport Violations
-from station.hw.mujoco.simulator_memory cimport SimulatorMemory
 from station.hw.mujoco.world_step cimport Preparation, WorldStep
 
 cdef int _IDLE, _MOVE, _GUIDING, _RECOVERY
@@ -28,26 +27,23 @@ cdef class ArmStep(Preparation):
     cdef CartesianStep cartesian
     cdef JointMotors motors
     cdef MotionCheck check
-    cdef Violations violations
     cdef JointWatch watch
     cdef CycleLog log
-    cdef SimulatorMemory simulator
     cdef WorldStep world
-    cdef object state, actuators, load, faults, losses, plan, ddq
-    cdef public object modes, contact
+    cdef object state, actuators, load, faults, losses, plan
+    cdef public object modes
     cdef public FrictionAndObserver observer
     cdef public int generator
     cdef public bint wants_torques, has_load, has_faults, is_following, is_quiet
     cdef readonly bint is_fresh, is_begun, is_lossy
-    cdef readonly long long cycle, steps, seen
-    cdef double time
-    cdef Py_ssize_t size, lost_in_a_row, settling
+    cdef readonly long long steps, seen
+    cdef Py_ssize_t settling
     cpdef read_state(self)
     cpdef bint receive_end_effector(self, double[::1] values, Py_ssize_t size)
     cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)
     cdef Py_ssize_t follow_command(self)
     cdef advance_motion(self, bint arrived, bint was_lossy)
-    cpdef int read_joints(self, double time)
+    cpdef int read_joints(self)
 
 cdef class StepReceiver(Receiver):
     cdef ArmStep step

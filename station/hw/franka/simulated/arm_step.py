@@ -27,7 +27,6 @@ from station.hw.franka.simulated.joint_watch import JointWatch
 from station.hw.franka.simulated.motion_check import MotionCheck
 from station.hw.franka.simulated.planned_motion import PlannedMotion
 from station.hw.franka.simulated.violations import JOINT_POSITION, LOST_COMMANDS
-from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_step import Preparation, WorldStep
 from station.memory.doubles import Doubles, Storage, doubles, own_zeros, put, zeros
 from station.memory.vectors import any_of, are_finite, copy_into
@@ -35,7 +34,6 @@ from station.memory.vectors import any_of, are_finite, copy_into
 if TYPE_CHECKING:
     from station.hw.franka.simulated.arm_modes import ArmModes
     from station.hw.franka.simulated.arm_motors import ArmMotors
-    from station.hw.franka.simulated.contact_estimate import ContactEstimate
     from station.hw.franka.simulated.franka_dynamics import ArmLoad
     from station.hw.franka.simulated.sensor_faults import SensorFaults
 
@@ -133,6 +131,39 @@ class CycleLog:
         return found
 
 
+class PacketLosses:
+    """Counts the cycles without a command while some of the last ones are among them.
+
+    Attributes:
+        in_a_row: How many cycles without a command there were just now.
+    """
+
+    def __init__(self) -> None:
+        self.in_a_row = 0
+        self._cycle = 0
+        self._recent: deque[int] = deque()
+
+    def count(self, *, arrived: bool) -> float:
+        """Count a cycle.
+
+        Args:
+            arrived: Whether a command has arrived in it.
+
+        Returns:
+            Share of the last cycles that brought a command, 0 to 1.
+        """
+        self._cycle += 1
+        recent = self._recent
+        if arrived:
+            self.in_a_row = 0
+        else:
+            self.in_a_row += 1
+            recent.append(self._cycle)
+        while recent and recent[0] <= self._cycle - _WINDOW:
+            recent.popleft()
+        return 1.0 - len(recent) / _WINDOW
+
+
 class ArmStep(Preparation):
     """Follows the client's commands, sets the motors, and reads the joints.
 
@@ -151,12 +182,10 @@ class ArmStep(Preparation):
         check: Compares commanded motions and torques with their limits.
         watch: Compares the readings with their limits.
         log: The last cycles.
-        simulator: The simulator's memory of the joints.
         world: The world's steps.
 
     Attributes:
-        modes: The modes of the arm; set before the first step, as the next two.
-        contact: Estimates contacts.
+        modes: The modes of the arm; set before the first step, as the next one.
         observer: Disturbs the readings; None for an ideal arm.
         generator: Kind of the commands of the motion.
         wants_torques: Whether the motion commands torques.
@@ -168,8 +197,6 @@ class ArmStep(Preparation):
         is_begun: Whether a command of this motion has been followed.
         is_lossy: Whether commands were lost in the last cycles.
         plan: Source of the arm's own commands; None if a client commands it.
-        cycle: Number of cycles with or without a command since the motion began.
-        time: Time of the arm at the last state [s].
         seen: Number of the world's step after which the joints were read last.
     """
 
@@ -187,11 +214,9 @@ class ArmStep(Preparation):
         check: MotionCheck,
         watch: JointWatch,
         log: CycleLog,
-        simulator: SimulatorMemory,
         world: WorldStep,
     ) -> None:
         self.memory = memory
-        self.size = memory.size
         self.state = state
         self.mode = state.doubles(MODE)
         self.motion = motion
@@ -201,22 +226,17 @@ class ArmStep(Preparation):
         self.load = load
         self.faults = faults
         self.check = check
-        self.violations = check.violations
         self.watch = watch
         self.log = log
-        self.simulator = simulator
         self.world = world
         self.steps = self.seen = world.count
         self.modes: ArmModes
-        self.contact: ContactEstimate
         self.observer: FrictionAndObserver | None = None
-        self.ddq = [0.0] * self.size
         self.wants_torques = False
         self.has_load = False
         self.has_faults = False
         self.is_following = False
         self.is_quiet = True
-        self.time = 0.0
         self.settling = 0
         self.begin_motion(codes.NO_MOTION)
 
@@ -228,10 +248,10 @@ class ArmStep(Preparation):
         """
         self.generator = generator
         self.is_fresh = self.is_begun = self.is_lossy = False
-        self.cycle = self.lost_in_a_row = self.settling = 0
-        self.losses: deque[int] = deque()
-        put(self.memory.torques, [0.0] * self.size)
-        put(self.memory.sent, [0.0] * self.size)
+        self.settling = 0
+        self.losses = PacketLosses()
+        put(self.memory.torques, [0.0] * self.memory.size)
+        put(self.memory.sent, [0.0] * self.memory.size)
         self.log.command_size = 0
         self.plan: PlannedMotion | None = None
         self.cartesian.has_elbow = False
@@ -243,8 +263,8 @@ class ArmStep(Preparation):
         Raises:
             InvalidCommandError: Not 7 finite numbers.
         """
-        if not self.receive(_as_doubles(tau), self.size, self.memory.torques):
-            _refuse("joint torques", self.size, tau)
+        if not self.receive(_as_doubles(tau), self.memory.size, self.memory.torques):
+            _refuse("joint torques", self.memory.size, tau)
 
     def command_joints(self, values: Storage) -> None:
         """Take positions [rad] or velocities [rad/s], shape (7,), for the next cycle.
@@ -252,8 +272,8 @@ class ArmStep(Preparation):
         Raises:
             InvalidCommandError: Not 7 finite numbers.
         """
-        if not self.receive(_as_doubles(values), self.size, self.memory.target):
-            _refuse("joint commands", self.size, values)
+        if not self.receive(_as_doubles(values), self.memory.size, self.memory.target):
+            _refuse("joint commands", self.memory.size, values)
 
     def plan_joints(self, q: Storage, fastest: Sequence[float]) -> None:
         """Plan the motion to positions, from the next cycle on.
@@ -266,11 +286,12 @@ class ArmStep(Preparation):
             InvalidCommandError: Not 7 finite numbers.
         """
         target = _as_doubles(q)
-        if len(target) != self.size or not are_finite(target, self.size):
-            _refuse("joint positions", self.size, q)
-        self.violations.count = 0
+        if len(target) != self.memory.size or not are_finite(target, self.memory.size):
+            _refuse("joint positions", self.memory.size, q)
+        violations = self.check.violations
+        violations.count = 0
         if self.check.check_target(target):
-            self.modes.raise_errors(self.violations.errors())
+            self.modes.raise_errors(violations.errors())
             return
         if self.plan is None:
             self.plan = PlannedMotion(self.memory, self.check.limits, self.check.period)
@@ -355,7 +376,7 @@ class ArmStep(Preparation):
         elif self.wants_torques != motors.torques_act:
             self.ignore_command()
         elif self.follow_command():
-            self.modes.raise_errors(self.violations.errors())
+            self.modes.raise_errors(self.check.violations.errors())
             self.motion.hold()
         # An error, or the end of a recovery, has changed the mode.
         if motors.torques_act:
@@ -395,19 +416,18 @@ class ArmStep(Preparation):
 
     def follow_command(self) -> int:
         """Advance the desired motion by a cycle; return the number of violations."""
-        memory, violations = self.memory, self.violations
+        memory, violations = self.memory, self.check.violations
         arrived = self.is_fresh
         if self.has_faults and self.faults.loses_packet():
             arrived = False
         if self.plan is not None:
-            arrived = self.receive(self.plan.advance(), self.size, memory.target)
+            arrived = self.receive(self.plan.advance(), memory.size, memory.target)
         self.is_fresh = False
         violations.count = 0
         # Losses count from the first command on: a client may take its time to begin.
         if not arrived and not self.is_begun:
             self.motion.hold()
             return 0
-        self.cycle += 1
         # A motion without recent losses needs no bookkeeping.
         was_lossy = self.is_lossy
         if not arrived or was_lossy:
@@ -415,10 +435,10 @@ class ArmStep(Preparation):
         if self.motors.torques_act and violations.count == 0:
             if arrived:
                 self.check.check_torques()
-                copy_into(memory.sent, 0, memory.torques, self.size)
+                copy_into(memory.sent, 0, memory.torques, memory.size)
             else:
                 # A lost packet: the motors keep the torques that arrived last.
-                copy_into(memory.torques, 0, memory.sent, self.size)
+                copy_into(memory.torques, 0, memory.sent, memory.size)
         if violations.count:
             return violations.count
         if self.generator == _NO_MOTION:
@@ -427,7 +447,7 @@ class ArmStep(Preparation):
             self.advance_motion(arrived, was_lossy)
         self.is_begun = True
         if violations.count == 0:
-            self.log.note(self.time)
+            self.log.note(self.seen * self.check.period)
         return violations.count
 
     def advance_motion(self, arrived: bool, was_lossy: bool) -> None:  # noqa: FBT001
@@ -437,7 +457,8 @@ class ArmStep(Preparation):
             arrived: Whether a command has arrived in this cycle.
             was_lossy: Whether commands were lost in the last cycles.
         """
-        check, violations = self.check, self.violations
+        check = self.check
+        violations = check.violations
         if self.generator == _CARTESIAN:
             if arrived:
                 # Joints that settle are not computed. That is worth it for an arm at
@@ -473,17 +494,13 @@ class ArmStep(Preparation):
         Args:
             arrived: Whether a command has arrived in this cycle.
         """
-        losses = self.losses
-        self.lost_in_a_row = 0 if arrived else self.lost_in_a_row + 1
-        if not arrived:
-            losses.append(self.cycle)
-        while losses and losses[0] <= self.cycle - _WINDOW:
-            losses.popleft()
-        self.state.control_command_success_rate = 1.0 - len(losses) / _WINDOW
-        self.is_lossy = bool(losses)
-        if self.lost_in_a_row >= MOST_LOST_PACKETS:
-            lost, most = float(self.lost_in_a_row), float(MOST_LOST_PACKETS - 1)
-            self.violations.add(LOST_COMMANDS, 0, lost, most)
+        share = self.losses.count(arrived=arrived)
+        self.state.control_command_success_rate = share
+        self.is_lossy = share < 1.0
+        lost = self.losses.in_a_row
+        if lost >= MOST_LOST_PACKETS:
+            most = MOST_LOST_PACKETS - 1
+            self.check.violations.add(LOST_COMMANDS, 0, float(lost), float(most))
 
     def read_state(self) -> RobotState:
         """Let the world make its step if no other arm has; return the arm's state."""
@@ -497,11 +514,11 @@ class ArmStep(Preparation):
         if self.seen >= steps:
             return self.state
         self.seen = steps
-        found = self.read_joints(steps * self.check.period)
+        found = self.read_joints()
         observer = self.observer
         if observer is not None:
             if self.has_load:
-                self.contact.expect_load()
+                self.expect_load()
             observed = observer.sense()
             if observed & _TOUCHED:
                 self.is_quiet = False
@@ -519,11 +536,8 @@ class ArmStep(Preparation):
             self.modes.supervise(found)
         return self.state
 
-    def read_joints(self, time: float) -> int:
+    def read_joints(self) -> int:
         """Read the joints after a step, and compare the readings with their limits.
-
-        Args:
-            time: Time of the arm [s].
 
         Returns:
             A sum of `CONTACT` and `VIOLATION`; 0 when neither is the case.
@@ -531,27 +545,28 @@ class ArmStep(Preparation):
         # Before the joints are read: the state still has the velocities of the last
         # step.
         if self.has_load:
-            self.note_accelerations()
-        self.time = time
+            velocities = self.motors.simulator.velocities
+            self.load.note_motion(self.memory.dtheta, velocities, self.check.period)
         self.motors.sense()
         mode = self.mode[0]
         contact = violation = 0
-        if any_of(self.simulator.constraint_forces, self.size):
+        motors = self.motors
+        if any_of(motors.simulator.constraint_forces, motors.size):
             contact = _CONTACT
         # In the other modes an error is present, or a person holds the arm: there is no
         # motion that another error could end.
         is_supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
         if is_supervised and self.watch.check_readings(self.is_following, True):  # noqa: FBT003 - C
             violation = _VIOLATION
-        self.state.time = time
+        self.state.time = self.seen * self.check.period
         if self.has_faults:
             self.faults.disturb(self.state)
         return contact | violation
 
-    def note_accelerations(self) -> None:
-        """Note how the velocities change in this step."""
-        velocities = zip(self.simulator.velocities, self.memory.dtheta, strict=True)
-        self.ddq = [(new - old) / self.check.period for new, old in velocities]
+    def expect_load(self) -> None:
+        """Let the observer, if there is one, expect the torques of the load."""
+        if self.observer is not None:
+            put(self.observer.expected, self.load_torques() or [0.0] * self.memory.size)
 
     def load_torques(self) -> list[float] | None:
         """Return the torques for the configured load [Nm], (7,); None without a load.
@@ -560,14 +575,13 @@ class ArmStep(Preparation):
         """
         if not self.has_load:
             return None
-        q, dq = list(self.memory.positions), list(self.memory.dtheta)
-        return self.load.torques(q, dq, self.ddq)
+        return self.load.torques(list(self.memory.positions), list(self.memory.dtheta))
 
     def read_rest(self) -> None:
         """Read the pose to which the world was set, with all velocities zero."""
         state = self.state
-        state.dq = state.dtheta = [0.0] * self.size
-        state.q = state.theta = list(self.simulator.positions)
+        state.dq = state.dtheta = [0.0] * self.memory.size
+        state.q = state.theta = list(self.motors.simulator.positions)
         put(self.memory.positions, state.q)
 
 
@@ -586,13 +600,13 @@ class StepReceiver(Receiver):
         step = self.step
         if kind == _NO_MOTION:
             return step.wants_torques and step.receive(
-                values, step.size, step.memory.torques
+                values, step.memory.size, step.memory.torques
             )
         if kind != step.generator:
             return False
         if kind == _CARTESIAN:
             return step.receive_end_effector(values, _POSE)
-        return step.receive(values, step.size, step.memory.target)
+        return step.receive(values, step.memory.size, step.memory.target)
 
     def rests_at_pose(self) -> bool:
         """Return whether the end effector has come to rest at the last pose."""

@@ -144,9 +144,6 @@ class ContactEstimate:
     def renew(self) -> None:
         """Take new frames over, and drop every value that depends on them."""
 
-    def expect_load(self) -> None:
-        """Take over the torques for the configured load; `update` asks for them."""
-
     def react_to(self, found: int) -> bool:
         """Serve the requests of an observer; here there is no observer.
 
@@ -353,10 +350,6 @@ class MomentumObserver(ContactEstimate):
             any(state.joint_contact) or any(state.cartesian_contact) or any(self._known)
         )
         return found
-
-    @override
-    def expect_load(self) -> None:
-        put(self.observer.expected, self._step.load_torques() or [0.0] * 7)
 
     @override
     def recover(self) -> None:

@@ -225,7 +225,21 @@ class ArmLoad:
         # Torques add up over bodies: these are of an arm of which nothing else weighs.
         self._dynamics = FrankaDynamics(None)
         self._gravity = tuple(gravity)
+        self._ddq = [0.0] * 7
         self.load = Load()
+
+    def note_motion(
+        self, before: Sequence[float], velocities: Sequence[float], period: float
+    ) -> None:
+        """Note how the velocities change in a step.
+
+        Args:
+            before: Joint velocities before the step [rad/s], shape (7,).
+            velocities: Joint velocities after it [rad/s], shape (7,).
+            period: Duration of the step, > 0 [s].
+        """
+        pairs = zip(velocities, before, strict=True)
+        self._ddq = [(new - old) / period for new, old in pairs]
 
     def weight(self, q: Sequence[float]) -> list[float]:
         """Return the torques that carry the load's weight [Nm], shape (7,).
@@ -235,17 +249,16 @@ class ArmLoad:
         """
         return self._dynamics.gravity(q, self.load, self._gravity)
 
-    def torques(
-        self, q: Sequence[float], dq: Sequence[float], ddq: Sequence[float]
-    ) -> list[float]:
+    def torques(self, q: Sequence[float], dq: Sequence[float]) -> list[float]:
         """Return the torques that carry and move the load [Nm], shape (7,).
+
+        The accelerations are those of the noted motion.
 
         Args:
             q: Joint positions [rad], shape (7,).
             dq: Joint velocities [rad/s], shape (7,).
-            ddq: Joint accelerations [rad/s^2], shape (7,).
         """
-        return self._dynamics.torques(q, dq, ddq, self.load, self._gravity)
+        return self._dynamics.torques(q, dq, self._ddq, self.load, self._gravity)
 
 
 def _moments_at_link7(load: Load) -> list[float]:

@@ -114,7 +114,7 @@ class JointMotors:
         memory = self.memory
         q, dq = memory.positions, memory.dtheta
         q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
-        is_late = self.is_late
+        is_late, is_loaded = self.is_late, self.is_loaded
         stiffness, damping = self.stiffness, self.damping
         simulator = self.simulator
         bias, compensation = simulator.bias, simulator.compensation
@@ -131,7 +131,7 @@ class JointMotors:
             control = spring * q_d[i] + damper * dq_d[i] + bias[i] - compensation[i]
             if acceleration != 0.0:  # an arm that holds needs no inertia
                 control += inertia[diagonal[i]] * acceleration
-            controls[i] = control + load[i]
+            controls[i] = control + load[i] if is_loaded else control
             if notes:
                 tau = control - spring * q[i] - damper * dq[i]
                 limit = limits[i]

@@ -214,7 +214,7 @@ class SimulatedArm(RobotArm):
         self.frames.set_load(load)
         self.load.load = load
         self._step.has_load = bool(load.mass)
-        self.contact.expect_load()
+        self._step.expect_load()
         self.motors.carry(_ZEROS)
 
     @override
@@ -270,7 +270,7 @@ class SimulatedArm(RobotArm):
         self.contact.reset()
         self.supervisor.expect_new_pose()
         self._modes.expect_command()
-        self._step.read_joints(self._step.seen * self.cycle_time)
+        self._step.read_joints()
         if self.contact.observer is not None:
             self.contact.observer.settle_elasticity()
         self.frames.invalidate()

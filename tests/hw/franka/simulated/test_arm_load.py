@@ -27,5 +27,6 @@ def test_acceleration_costs_force(load: ArmLoad) -> None:
     jacobian = np.reshape(zero_jacobian(Frame.FLANGE, Q), (7, 6))[:, :3]
     ddq = np.array([1.0, 0.5, 0, 0, 0, 0.2, 0])
     force = 2.0 * (jacobian.T @ ddq + np.array([0, 0, 9.81]))
-    found = load.torques(Q, [0.0] * 7, ddq.tolist())
+    load.note_motion([0.0] * 7, ddq.tolist(), 1.0)
+    found = load.torques(Q, [0.0] * 7)
     assert found == pytest.approx(jacobian @ force, abs=1e-9)

@@ -136,7 +136,6 @@ class Arm:
             check=check,
             watch=self.watch,
             log=self.log,
-            simulator=simulator,
             world=part("world_step").WorldStep(None, (0, 0, 0), None, None, None),
         )
         self.step.modes = SimpleNamespace(
@@ -342,11 +341,11 @@ def test_a_fast_twist_ends_the_motion_where_it_is(arm):
 
 
 def test_a_contact_and_a_reading_out_of_range_are_told(arm):
-    assert arm.step.read_joints(0.001) == 0
+    assert arm.step.read_joints() == 0
     arm.constraints[3] = 1.0
-    assert arm.step.read_joints(0.002) == CONTACT
+    assert arm.step.read_joints() == CONTACT
     arm.simulated["positions"][0] = 3.0
-    assert arm.step.read_joints(0.003) == CONTACT + VIOLATION
+    assert arm.step.read_joints() == CONTACT + VIOLATION
 
 
 @needs_both
@@ -372,7 +371,7 @@ def test_both_modes_give_the_same_bits(
         if has_torques:
             arm.let_torques_act()
         found = []
-        for number, command in enumerate(commands):
+        for command in commands:
             if has_torques:
                 arm.step.receive(doubles(command), SIZE, arm.memory.torques)
             if generator == CARTESIAN:
@@ -380,7 +379,7 @@ def test_both_modes_give_the_same_bits(
             else:
                 arm.step.receive(doubles(command), SIZE, arm.memory.target)
             arm.step.prepare_step()
-            found += [arm.step.is_begun, arm.step.read_joints(0.001 * number)]
+            found += [arm.step.is_begun, arm.step.read_joints()]
             for error in arm.errors:
                 found += [error.value, error.limit]
         return [*found, *arm.everything()]
