@@ -151,7 +151,8 @@ class FrankaHW(RobotHW):
         self.commands = JointCommands(
             self.arm.state, self._parameters.joint_names, self._parameters.limit_mode
         )
-        self.cartesian = CartesianCommands(self.arm, arm_id, limits)
+        memory = self.commands.memory
+        self.cartesian = CartesianCommands(self.arm, arm_id, limits, memory)
         urdf = load_urdf(description)
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
         for name in self.commands.add_limits(self._joints, rate_limits_of(limits)):

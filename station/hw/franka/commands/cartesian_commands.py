@@ -28,6 +28,7 @@ class CartesianCommands:
         arm: The arm.
         arm_id: Prefix of its names.
         limits: Its limits.
+        memory: Has the parts `pose` and `twist`, and the elbow of each.
 
     Attributes:
         has_pose: Whether pose commands are taken.
@@ -35,11 +36,12 @@ class CartesianCommands:
         sender: Filters, limits and sends them.
     """
 
-    def __init__(self, arm: RobotArm, arm_id: str, limits: ArmLimits) -> None:
+    def __init__(
+        self, arm: RobotArm, arm_id: str, limits: ArmLimits, memory: Block
+    ) -> None:
         self._arm = arm
-        block = Block({"pose": 16, "twist": 6, "pose_elbow": 2, "twist_elbow": 2})
-        self._pose, self._pose_elbow = block["pose"], block["pose_elbow"]
-        self._twist, self._twist_elbow = block["twist"], block["twist_elbow"]
+        self._pose, self._pose_elbow = memory["pose"], memory["pose_elbow"]
+        self._twist, self._twist_elbow = memory["twist"], memory["twist_elbow"]
         put(self._pose, IDENTITY)
         self.has_pose = self.has_twist = False
         state, losses = arm.state, limits.tolerated_losses

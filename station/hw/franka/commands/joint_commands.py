@@ -34,6 +34,16 @@ from station.memory.doubles import Block, Doubles, put
 from station.memory.vectors import FiniteCheck
 
 _DOF = 7
+# In one memory, which is copied at once when the manager keeps all commands.
+_SIZES = {
+    "pose": 16,
+    "twist": 6,
+    "positions": _DOF,
+    "velocities": _DOF,
+    "efforts": _DOF,
+    "pose_elbow": 2,
+    "twist_elbow": 2,
+}
 # Distance from the ends of its range at which a joint that is limited by rate stops
 # [rad]. The low-pass filter behind the limits lags, so a joint that stopped exactly at
 # the end would pass it, and the arm raises an error for any position beyond its range.
@@ -61,6 +71,7 @@ class JointCommands:
         limit_mode: How commands are limited.
 
     Attributes:
+        memory: All commands of the arm, also those of its end effector.
         positions: Commanded positions [rad], shape (7,); in place, as the next two.
         velocities: Commanded velocities [rad/s], shape (7,).
         efforts: Commanded torques without gravity [Nm], shape (7,).
@@ -78,10 +89,10 @@ class JointCommands:
     ) -> None:
         self._state = state
         self._limit_mode = limit_mode
-        block = Block({"positions": _DOF, "velocities": _DOF, "efforts": _DOF})
-        self.positions = block["positions"]
-        self.velocities = block["velocities"]
-        self.efforts = block["efforts"]
+        self.memory = Block(_SIZES)
+        self.positions = self.memory["positions"]
+        self.velocities = self.memory["velocities"]
+        self.efforts = self.memory["efforts"]
         self._lower = [-inf] * _DOF
         self._upper = [inf] * _DOF
         self.limit_reports: list[JointLimitsReport] = []

@@ -42,7 +42,8 @@ class Bench:
         self.arm, self.done = ScriptedArm(), []
         state = self.arm.state
         self.commands = JointCommands(state, JOINTS, LimitMode.ROS_CONTROL)
-        cartesian = CartesianCommands(self.arm, "panda", PANDA_LIMITS)
+        memory = self.commands.memory
+        cartesian = CartesianCommands(self.arm, "panda", PANDA_LIMITS, memory)
         self.handles = {
             interface.type_name: interface.get_handle("panda_robot")
             for interface in cartesian.interfaces()
