@@ -383,7 +383,7 @@ class ActiveFault(ResponseModel):
     """A fault that is active.
 
     Attributes:
-        kind: Kind of the fault.
+        kind: Kind of the fault; a push of a link or an object is a collision.
         cycles: How many more cycles of the arm the fault lasts.
         joint: Number of the joint, where the kind has one.
     """

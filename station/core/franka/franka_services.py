@@ -133,7 +133,7 @@ class ArmSimulation(ABC):
 
     @abstractmethod
     def faults(self) -> list[SimulatedFault]:
-        """Return the active faults with their remaining cycles."""
+        """Return the active faults with their remaining cycles; a push is a collision."""
 
     @abstractmethod
     def clear_faults(self) -> None:

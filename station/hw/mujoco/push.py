@@ -42,6 +42,9 @@ class AppliedPush:
         push: The push.
         steps: Duration in time steps, >= 0.
 
+    Attributes:
+        left: How many more time steps the push lasts.
+
     Raises:
         HardwareInterfaceError: The world has no such body.
     """
@@ -54,17 +57,17 @@ class AppliedPush:
         self._data = data
         self._force, self._torque = np.array(push.force), np.array(push.torque)
         self._point = None if push.point is None else np.array(push.point)
-        self._left = steps
+        self.left = steps
         # Only a push that turns or moves with a body is computed anew in every step.
         self._is_constant = not self._frame and self._point is None
         self._apply()
 
     def is_over(self) -> bool:
         """Count a step; return whether the push has ended."""
-        if self._left <= 0:
+        if self.left <= 0:
             self.end()
             return True
-        self._left -= 1
+        self.left -= 1
         if not self._is_constant:
             self._apply()
         return False

@@ -207,6 +207,17 @@ def test_faults_are_listed_and_cleared(panda):
     assert caught.value.status == 422
 
 
+def test_a_push_is_listed_as_a_collision_until_it_is_ended(panda, station):
+    force = [0.0, 0.0, 5.0]
+    panda.apply_force(ExternalForce(link="panda_hand", force=force, duration=60.0))
+    station.loop.step(300)
+    (push,) = panda.faults()
+    assert (push.kind, push.cycles) == ("collision", 60_000 - 300)
+    assert panda.clear_faults() == []
+    station.loop.step(300)
+    assert panda.state().O_F_ext_hat_K[2] == pytest.approx(0.0, abs=0.05)
+
+
 def test_arm_is_guided_by_hand(panda, station):
     assert panda.guiding(pressed=True).robot_mode == "guiding"
     push = ExternalForce(

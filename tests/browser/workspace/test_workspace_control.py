@@ -5,7 +5,7 @@ from contextlib import suppress
 import pytest
 
 from station.client import ApiError
-from station.wire import Fault
+from station.wire import ExternalForce, Fault
 from tests.browser.workspace_page import (
     CONTROLLER,
     OTHER,
@@ -154,3 +154,14 @@ def test_buttons_that_can_do_nothing_are_disabled(workspace, client):
     client.robot("panda").clear_faults()
     client.lease.release()
     assert wait_until(lambda: start not in _idle(page, "controllers"))
+
+
+def test_a_long_push_that_a_script_began_is_ended(workspace, client):
+    panda = client.robot("panda")
+    push = ExternalForce(link="panda_hand", force=[0.0, 0.0, 5.0], duration=600.0)
+    panda.apply_force(push)
+    workspace.dock("simulation")
+    assert wait_until(lambda: "End faults" not in _idle(workspace.page, "simulation"))
+    workspace.button("simulation", "End faults").click()
+    assert wait_until(lambda: panda.faults() == [])
+    assert wait_until(lambda: abs(panda.state().O_F_ext_hat_K[2]) < 0.5)

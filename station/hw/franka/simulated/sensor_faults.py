@@ -71,8 +71,11 @@ class SensorFaults:
             self._free(index)
 
     def active(self) -> list[SimulatedFault]:
-        """Return the active faults with their remaining cycles."""
-        found = []
+        """Return the active faults and pushes with their remaining cycles."""
+        found = [
+            SimulatedFault(FaultKind.COLLISION, max(1, push.left))
+            for push in self._world.pushes.values()
+        ]
         if self._lost:
             found.append(SimulatedFault(FaultKind.LOST_PACKETS, self._lost))
         for kind, joints in (
