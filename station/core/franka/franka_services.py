@@ -133,7 +133,7 @@ class ArmSimulation(ABC):
 
     @abstractmethod
     def faults(self) -> list[SimulatedFault]:
-        """Return the active faults with their remaining cycles; a push is a collision."""
+        """Return the active faults and pushes with their remaining cycles."""
 
     @abstractmethod
     def clear_faults(self) -> None:
