@@ -914,8 +914,8 @@ class Event(Report):
          "kind": "request", "severity": "warning", "who": "operator",
          "where": "127.0.0.1", "what": "POST /controllers/switch",
          "result": "409 resource_conflict",
-         "text": "POST /controllers/switch of operator was refused: 409
-         resource_conflict.", "details": {}, "request_id": "0f4c", "boot_id": "5b1e"}
+         "text": "operator could not switch controllers (409 resource_conflict).",
+         "details": {}, "request_id": "0f4c", "boot_id": "5b1e"}
     """
 
     id: int

@@ -8,6 +8,7 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.auth import Access, Role
+from station.api.deeds import mark_of, words_of
 from station.api.errors import PROBLEM_CODE
 from station.api.services import services_of
 from station.core.control.switching import SwitchResult
@@ -20,6 +21,7 @@ WHO = "who"
 """Key in the scope's state of who is behind a request, as far as it has proved that."""
 _OF_AGENT = "is_of_agent"
 _PREVIEW = "is_preview"
+_MARK = "mark"
 _READS = frozenset({"GET", "HEAD", "OPTIONS"})
 # They change nothing of the station; logins have events of their own.
 _UNREMARKABLE = frozenset({"/login", "/logout", "/stream-tickets"})
@@ -49,6 +51,11 @@ def note_access(connection: HTTPConnection, access: Access) -> None:
 def note_preview(connection: HTTPConnection) -> None:
     """Note that a request is a preview: it leaves no event."""
     connection.scope.setdefault("state", {})[_PREVIEW] = True
+
+
+def note_mark(connection: HTTPConnection, text: str) -> None:
+    """Note how plots mark what a request has done."""
+    connection.scope.setdefault("state", {})[_MARK] = text
 
 
 def origin_of(connection: HTTPConnection) -> Origin:
@@ -109,7 +116,7 @@ class Audit:
         ):
             return
         origin = origin_of(HTTPConnection(scope))
-        what = f"{scope['method']} {path}"
+        what = asked = f"{scope['method']} {path}"
         if is_done and what == _HEARTBEAT:
             return
         code = scope["state"].get(PROBLEM_CODE, "")
@@ -117,12 +124,16 @@ class Audit:
         if not is_done and not origin.who:
             # A guesser of tokens chooses paths at will: they distinguish no events.
             what = scope["method"]
-        ended = "was carried out" if is_done else f"was refused: {result}"
+        who = origin.who or "a stranger"
+        text = words_of(asked, who, result, is_done=is_done)
         if is_repeated:
-            ended, result = "got its first answer again", f"{result} again"
+            text = f"{asked} of {who} got its first answer again."
+            result = f"{result} again"
+        mark = (scope["state"].get(_MARK) or mark_of(asked)) if is_done else None
         self._repeats.record(
             EventKind.REQUEST,
-            f"{scope['method']} {path} of {origin.who or 'a stranger'} {ended}.",
+            text,
+            details={} if mark is None else {"mark": mark},
             severity=Severity.INFO if is_done else _severity(status),
             what=what,
             result=result,

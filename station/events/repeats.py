@@ -1,7 +1,7 @@
 """Repeated events: recorded a few times and then counted."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from station.events.event import Origin
@@ -50,6 +50,7 @@ class Repeats:
         severity: Severity = Severity.INFO,
         what: str,
         result: str,
+        details: Mapping[str, object] | None = None,
         origin: Origin,
         free: int = FREE,
     ) -> None:
@@ -61,6 +62,7 @@ class Repeats:
             severity: How much it asks for attention.
             what: Method and route, or the subject.
             result: How it ended.
+            details: More facts of the event.
             origin: Person or program that did it, and its address.
             free: So many alike events of a window are recorded one by one, >= 1.
         """
@@ -78,7 +80,13 @@ class Repeats:
                 del self._windows[key]
                 self._tell(window)
             event = self._log.record(
-                kind, text, severity=severity, what=what, result=result, origin=origin
+                kind,
+                text,
+                severity=severity,
+                what=what,
+                result=result,
+                details=details,
+                origin=origin,
             )
             if key not in self._windows:
                 self._windows[key] = _Window(event, now)

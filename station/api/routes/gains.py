@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 from typing import Annotated
 
-from fastapi import Header, Path, Response
+from fastapi import Header, Path, Request, Response
 
 from station import wire
 from station.api import answers
+from station.api.audit import note_mark
 from station.api.dependencies import ServicesDep, StationDep
 from station.api.errors import ProblemError
 from station.api.routes.routing import change, problems, routes_of
@@ -38,6 +39,7 @@ def get_gains(name: str, response: Response, station: StationDep) -> wire.Gains:
 def patch_gains(
     name: str,
     request: wire.GainsPatch,
+    connection: Request,
     response: Response,
     station: StationDep,
     if_match: Annotated[str | None, Header()] = None,
@@ -52,6 +54,9 @@ def patch_gains(
         revision = _matching_revision(station, name, if_match)
     change = station.tuning.set_gains(name, request.values, revision)
     response.headers["ETag"] = etag_of(station, change.revision)
+    old, new = change.previous, change.values
+    changed = (f"{key} {old[key]:g} → {new[key]:g}" for key in request.values)
+    note_mark(connection, f"gains {', '.join(changed)}")
     return change
 
 

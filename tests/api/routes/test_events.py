@@ -43,6 +43,15 @@ def test_a_change_under_a_lease_is_recorded_with_the_name_of_its_owner(spring):
     assert spring.events(kinds=["switch"])[-1].who == "ada (operator)"
 
 
+def test_a_change_of_gains_says_which_and_how_plots_mark_it(spring):
+    spring.set_gains("spring", {"k": 8.0})
+    event = spring.events(kinds=["request"])[-1]
+    assert event.text == "operator changed gains of spring."
+    assert event.details == {"mark": "gains k 2 → 8"}
+    spring.gain_sets.undo()
+    assert spring.events(kinds=["request"])[-1].details == {"mark": "gains undone"}
+
+
 def test_a_preview_of_a_switch_leaves_no_event(spring):
     before = len(spring.events())
     plan = spring.switch_controllers(stop=["spring"], dry_run=True)

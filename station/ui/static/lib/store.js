@@ -1,31 +1,34 @@
 // What the page knows: polled state of the docks, and the newest frames of the streams.
-import { changesGains, marksOf } from "./event_marks.js";
 import { act, follow, send } from "./station.js";
 
 const POLL_MS = 350;
 const ENABLING = "The controller is being started.";
 const OLD_POLL_MS = 3000; // an answer about the docks may be of the station before
 const MOST_MARKERS = 200;
-const EXPLAINED_MS = 3000;
+
+/** Return what an event is marked as in the plots: no text, or several. */
+function marksOf({ kind, what, result, severity, details }) {
+  if (kind === "switch") return [...(details.stopped ?? []).map((name) => `${name} stopped`), ...(details.started ?? []).map((name) => `${name} started`)];
+  if (kind === "fault") return [`${what} stopped by a fault`];
+  if (kind === "stop") return result === "stopped" ? ["stop"] : [];
+  if (kind === "robot_mode") return severity === "error" ? [`robot: ${result}`] : [];
+  return details.mark ? [details.mark] : [];
+}
 
 class Store extends EventTarget {
-  constructor() {
-    super();
-    this.bar = { link: "unknown", role: "" };
-    this.holder = ""; // somebody else who holds control
-    this.docks = null;
-    this.joints = null;
-    this.arms = {};
-    this.heardAt = 0;
-    this.markers = []; // {at: station time [s], text, what: the request, noted: page time [ms]}
-    this.explained = new Map(); // text of a change of this page by its request, until its event comes
-    this.bootId = "";
-    this.begunAt = -Infinity;
-    this.lastEvent = 0;
-    this.stationTime = 0;
-    this.endOfArm = {};
-    this.isEnabling = false; // while "Enable sliders" waits for the station
-  }
+  bar = { link: "unknown", role: "" };
+  holder = ""; // somebody else who holds control
+  docks = null;
+  joints = null;
+  arms = {};
+  heardAt = 0;
+  markers = []; // {at: station time [s], text}
+  bootId = "";
+  begunAt = -Infinity;
+  lastEvent = 0;
+  stationTime = 0;
+  endOfArm = {};
+  isEnabling = false; // while "Enable sliders" waits for the station
 
   get isOperator() {
     return this.bar.role === "operator";
@@ -88,7 +91,6 @@ class Store extends EventTarget {
     if (!isAnother) return;
     this.begunAt = performance.now();
     this.markers = [];
-    this.explained.clear();
     for (const name of ["restart", "marker", "gains"]) this.dispatchEvent(new Event(name));
   }
 
@@ -97,26 +99,11 @@ class Store extends EventTarget {
     if (event.boot_id !== this.bootId) this.begin(event.boot_id);
     else if (event.id <= this.lastEvent) return; // a frame may come twice after a reconnection
     this.lastEvent = event.id;
-    for (const text of marksOf(event)) this.mark(event.stamp, text, event.what);
-    this.dispatchEvent(new CustomEvent("happened", { detail: event }));
-    if (changesGains(event)) this.dispatchEvent(new Event("gains"));
-  }
-
-  mark(at, text, what) {
-    const known = this.explained.get(what);
-    this.explained.delete(what);
-    const isKnown = known && performance.now() - known.noted < EXPLAINED_MS;
-    this.markers.push({ at, text: isKnown ? known.text : text, what, noted: isKnown ? -Infinity : performance.now() });
-    if (this.markers.length > MOST_MARKERS) this.markers.shift();
+    this.markers.push(...marksOf(event).map((text) => ({ at: event.stamp, text })));
+    this.markers.splice(0, this.markers.length - MOST_MARKERS);
     this.dispatchEvent(new Event("marker"));
-  }
-
-  /** Say what a request of this page has changed; its moment comes, or came, as an event. */
-  explain(what, text) {
-    const marker = this.markers.findLast((one) => one.what === what && performance.now() - one.noted < EXPLAINED_MS);
-    if (!marker) return this.explained.set(what, { text, noted: performance.now() });
-    Object.assign(marker, { text, noted: -Infinity });
-    return this.dispatchEvent(new Event("marker"));
+    this.dispatchEvent(new CustomEvent("happened", { detail: event }));
+    if (event.details.mark?.startsWith("gain")) this.dispatchEvent(new Event("gains"));
   }
 
   followArms(names) {
@@ -126,11 +113,8 @@ class Store extends EventTarget {
         delete this.endOfArm[name];
         delete this.arms[name];
       }
-    const fields = "q,dq,tau_J,tau_ext_hat_filtered,O_T_EE,O_F_ext_hat_K,q_d,tau_J_d";
     for (const name of names)
-      this.endOfArm[name] ??= follow(`robot_state/${name}`, `rate=30&fields=${fields}`, (frame) => {
-        this.arms[name] = { ...frame.data, stamp: frame.stamp };
-      });
+      this.endOfArm[name] ??= follow(`robot_state/${name}`, "rate=30&fields=tau_ext_hat_filtered", ({ data }) => (this.arms[name] = data));
   }
 
   /** Return where joints are now [rad] or [m]. */

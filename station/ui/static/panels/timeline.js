@@ -1,6 +1,5 @@
 // Timeline: what happened, recordings and incidents, as far as the station offers them.
 import { alarmRows, alarms } from "../lib/alarms.js";
-import { deedOf } from "../lib/deeds.js";
 import { act, api, button, follow, h, html, nothing, Panel, press, refusals, render, repeat, show, store, units } from "../lib/panel.js";
 import { replay } from "../lib/replay.js";
 
@@ -84,7 +83,7 @@ class Timeline extends Panel {
     if (this.chosen === "events") {
       const sign = { warning: "▲ ", error: "✖ " }[item.severity] ?? "";
       const since = item.times > 1 ? ` (${item.times} alike since ${new Date(item.since * 1e3).toLocaleTimeString("en-GB")})` : "";
-      const deed = units.words(deedOf(item));
+      const deed = units.words(item.text || `${item.kind} ${item.what} ${item.result}`);
       const who = item.who && !deed.includes(item.who) ? html`<b>${item.who} </b>` : nothing;
       return row(html`${who}<span>${sign}${deed}${since}</span>`);
     }

@@ -148,7 +148,6 @@ class Tuning extends Panel {
     try {
       const done = await api("PATCH", path, { values }, { "If-Match": this.gains.etag });
       const what = Object.entries(values).map(([key, value]) => `${key} ${done.previous[key]} → ${value}`);
-      store.explain(`PATCH ${path}`, `gains ${what.join(", ")}`);
       for (const key of Object.keys(values)) this.typed.delete(key); // shows what the station has
       await this.read();
       show(this.state, `Applied in cycle ${done.cycle}: ${what.join(", ")}.`);
