@@ -10,7 +10,7 @@ document into this model.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from math import asin, atan2, cos, dist, sin
+from math import asin, atan2, copysign, cos, dist, hypot, pi, sin
 from pathlib import Path
 
 from station.core.errors import RobotDescriptionError
@@ -74,11 +74,18 @@ class Pose:
         return cls(xyz, multiply(z, multiply(y, x)))
 
     def rpy(self) -> Vector3:
-        """Return the angles [rad] about the fixed x, then y, then z axis."""
+        """Return the angles [rad] about the fixed x, then y, then z axis.
+
+        At a pitch of a quarter turn the roll is 0: all of the turn is yaw.
+        """
         w, x, y, z = self.quaternion
+        sine = 2.0 * (w * y - z * x)
+        # There both arguments of the other two angles vanish.
+        if abs(sine) > 1.0 - 1e-9:
+            return 0.0, copysign(pi / 2.0, sine), 2.0 * atan2(z, w)
         return (
             atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
-            asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x)))),
+            asin(sine),
             atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)),
         )
 
@@ -88,6 +95,20 @@ class Pose:
         turned = Pose(quaternion=(w, -x, -y, -z))
         px, py, pz = turned.compose(Pose(self.xyz)).xyz
         return Pose((-px, -py, -pz), turned.quaternion)
+
+    def moved(self, step: "Pose", *, is_by_own_axes: bool) -> "Pose":
+        """Return this pose one step further.
+
+        Args:
+            step: Translation, and rotation about the frame's origin.
+            is_by_own_axes: The axes of the step are this frame's, not the parent's.
+        """
+        place = self.compose(step) if is_by_own_axes else Pose(self.xyz).compose(step)
+        first, then = self.quaternion, step.quaternion
+        w, x, y, z = multiply(first, then) if is_by_own_axes else multiply(then, first)
+        length = hypot(w, x, y, z)  # many steps must not add up their rounding
+        turned = (w / length, x / length, y / length, z / length)
+        return Pose(place.xyz, turned)
 
     def compose(self, inner: "Pose") -> "Pose":
         """Return T_a_c, given this pose T_a_b and `inner`, T_b_c."""

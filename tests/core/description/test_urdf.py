@@ -45,3 +45,12 @@ def test_fixed_root_ends_at_the_first_joint_that_moves() -> None:
     # The flange is 0.107 m, the tip of the fingers 0.1034 m from the last joint.
     assert pose.xyz == pytest.approx((0.0, 0.0, 0.107 + 0.1034))
     assert urdf.fixed_root("panda_link7") == ("panda_link7", Pose())
+
+
+@pytest.mark.parametrize("pitch", [pi / 2, -pi / 2])
+def test_at_a_quarter_turn_of_pitch_the_angles_are_those_of_the_same_turn(pitch):
+    turn = Pose.from_rpy((0.0, 0.0, 0.0), (0.4, pitch, 0.9))
+    again = Pose.from_rpy((0.0, 0.0, 0.0), turn.rpy())
+    for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
+        wanted = turn.compose(Pose(axis)).xyz
+        assert again.compose(Pose(axis)).xyz == pytest.approx(wanted, abs=1e-6)
