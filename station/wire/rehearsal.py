@@ -1,5 +1,6 @@
 """Wire models of rehearsals."""
 
+import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
@@ -132,10 +133,26 @@ class Place(RequestModel):
     Attributes:
         position: Of EE's origin, x, y, z [m].
         orientation: Quaternion x, y, z, w of EE; null keeps the present one.
+        rpy: Its roll, pitch and yaw [rad], in place of `orientation`.
     """
 
     position: _Numbers = Field(min_length=3, max_length=3)
     orientation: _Numbers | None = Field(default=None, min_length=4, max_length=4)
+    rpy: _Numbers | None = Field(default=None, min_length=3, max_length=3)
+
+    def quaternion(self) -> list[float] | None:
+        """Return the orientation as a quaternion x, y, z, w; None: the present one."""
+        if self.rpy is None:
+            return self.orientation
+        (cr, sr), (cp, sp), (cy, sy) = (
+            (math.cos(angle / 2.0), math.sin(angle / 2.0)) for angle in self.rpy
+        )
+        return [
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+            cr * cp * cy + sr * sp * sy,
+        ]
 
     @field_validator("orientation")
     @classmethod

@@ -68,6 +68,7 @@ class SceneObjectRequest(RequestModel):
             cylinder; radius of a capsule and length of its axis [m].
         position: Of its middle, of the middle of the top of a table [m].
         rpy: Roll, pitch and yaw [rad].
+        orientation: Unit quaternion x, y, z, w, in place of `rpy`.
         role: Role for the robots; a new object has keep_out or fence.
         margin: Distance that arms keep from it [m].
         links: Links for which the role counts, `hand` for the hand alone; empty for
@@ -84,6 +85,7 @@ class SceneObjectRequest(RequestModel):
     size: list[float] = Field(default_factory=list, max_length=3)
     position: list[float] = Field(default_factory=list, max_length=3)
     rpy: list[float] = Field(default_factory=list, max_length=3)
+    orientation: list[float] | None = Field(default=None, min_length=4, max_length=4)
     role: Role | None = None
     margin: float | None = None
     links: list[str] = Field(default_factory=list, max_length=16)

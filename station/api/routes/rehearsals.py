@@ -63,7 +63,7 @@ def plan(request: PlanRequest, services: ServicesDep, access: AccessDep) -> Plan
     wish = Wish(
         request.controller,
         request.positions or {},
-        None if place is None else (place.position, place.orientation),
+        None if place is None else (place.position, place.quaternion()),
         request.timeout,
         request.seed,
         request.name or "",

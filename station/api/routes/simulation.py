@@ -7,6 +7,7 @@ from fastapi import Path
 from station import wire
 from station.api.dependencies import ServicesDep, StationDep
 from station.api.routes.routing import change, problems, routes_of
+from station.core.description.urdf import Pose
 from station.reports import SavedScene, Simulation
 from station.wire.base import FileName
 
@@ -67,6 +68,9 @@ def put_scene_object(
 ) -> wire.SceneObject:
     """Add an object with a role, or change, move or drag an object of that name."""
     values = request.model_dump(exclude_unset=True)
+    if request.orientation is not None:
+        x, y, z, w = values.pop("orientation")
+        values["rpy"] = [*Pose(quaternion=(w, x, y, z)).rpy()]
     return wire.SceneObject.model_validate(station.surroundings.put(name, values))
 
 

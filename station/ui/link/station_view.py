@@ -10,7 +10,7 @@ from station.core.description.urdf import Pose, Vector3
 
 _IDENTITY = (*(1.0, 0.0, 0.0, 0.0, 0.0) * 3, 1.0)
 
-ARM_FIELDS = ("F_T_EE", "EE_T_K", "O_F_ext_hat_K")
+ARM_FIELDS = ("F_T_EE", "EE_T_K", "O_T_EE", "O_F_ext_hat_K")
 """Fields of an arm's state that `arm_facts` reads."""
 
 
@@ -23,11 +23,13 @@ class ArmFacts:
         tool_to_stiffness: Pose of K in EE.
         force: Force on the robot at K, in the axes of its base [N]; None where the
             arm cannot tell.
+        tool: Pose of EE in the frame of the base; None while unknown.
     """
 
     flange_to_tool: Pose
     tool_to_stiffness: Pose
     force: Vector3 | None
+    tool: Pose | None = None
 
 
 def arm_facts(state: Mapping[str, object]) -> ArmFacts:
@@ -37,12 +39,14 @@ def arm_facts(state: Mapping[str, object]) -> ArmFacts:
         state: The fields of `FrankaState` that `ARM_FIELDS` names.
     """
     wrench = _numbers(state, "O_F_ext_hat_K", 6)
+    place = _numbers(state, "O_T_EE", 16)
     # The arm reports the wrench that it exerts; the opposite acts on it.
     force = None if wrench is None else (-wrench[0], -wrench[1], -wrench[2])
     return ArmFacts(
         pose_of(_numbers(state, "F_T_EE", 16) or _IDENTITY),
         pose_of(_numbers(state, "EE_T_K", 16) or _IDENTITY),
         force,
+        None if place is None else pose_of(place),
     )
 
 

@@ -80,10 +80,7 @@ def page_state(view: StationView) -> dict[str, object]:
     status = view.status
     return {
         "link": view.link,
-        "age": view.age,
         "boot_id": "" if status is None else status.boot_id,
-        "epoch": view.epoch,
-        "blocked": view.blocked(),
         "operated": {
             "names": [one.name for one in operated if one.name],
             "reason": operated[0].reason,
@@ -165,7 +162,6 @@ def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
         "resources": sorted(resources_of(controller)),
         "arms": list(view.arms_of(controller)),
         "command_units": command_units(controller, view.sliding),
-        "takes_set_points": bool(view.elements.get(controller.name)),
         "update_p50": controller.time.p50,
         "update_p99": controller.time.p99,
         "update_count": controller.time.count,

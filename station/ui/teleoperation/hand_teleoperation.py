@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from station.core.description.urdf import Pose
 from station.ui.link.station_view import POSE, TWIST, StationView
 from station.ui.teleoperation.commanded_controller import (
     CommandedController,
@@ -23,6 +24,8 @@ SLOWEST_HAND = 0.005
 """Slowest speed of a held direction that a person may choose [m/s] or [rad/s]."""
 PATIENCE = 3.0
 """Time after which a target is given up when the arm comes no nearer [s]."""
+STEPS_ADD_UP = 1.5
+"""Steps that follow each other within this time begin where the last one ends [s]."""
 _NEAR = 1e-4
 _NEARER = 1e-4
 _FIRST_TURN = 3
@@ -161,6 +164,8 @@ class HandTeleoperation:
         self._epoch: int | None = None
         self._buttons = HeldButtons()
         self._pose = TargetPose()
+        self._place: Pose | None = None
+        self._stepped_at, self._stepped = -math.inf, [0.0]
 
     @property
     def is_pursuing(self) -> bool:
@@ -176,10 +181,14 @@ class HandTeleoperation:
             self._buttons.let_go()
         if target.reason or is_other or target.name != self.target.name:
             self._pose.let_go()
+            self._stepped_at = -math.inf
         self.jog, self.target, self._epoch = jog, target, view.epoch
         messages = (view.messages.get(one.name, "") for one in (jog, target))
         self.message = next(filter(None, messages), "")
         self.desired = view.set_point_of(target.name, len(POSE))
+        arm = view.arms.get(self._arm) or next(iter(view.arms.values()), None)
+        tool = None if arm is None else arm.tool
+        self._place = _as_pose(self.desired) if self.desired else tool
 
     @property
     def fastest(self) -> HandSpeed | None:
@@ -206,13 +215,15 @@ class HandTeleoperation:
         self._buttons.hold(axis, sign, now)
         return ""
 
-    def go(self, pose: Sequence[float], now: float) -> str:
-        """Go to a pose.
+    def go(self, pose: Sequence[float], now: float, step_in: str = "") -> str:
+        """Go to a pose, or one step further.
 
         Args:
             pose: x, y, z in the arm's base [m], or all of `POSE`; the orientation stays
                 as it is without one.
             now: Monotonic time [s].
+            step_in: Frame in whose axes all of `POSE` are a step, `base` or `tool`;
+                empty for a pose.
 
         Returns:
             Why it does not move; empty when it does.
@@ -221,7 +232,14 @@ class HandTeleoperation:
             return self.target.reason
         if self.desired is None:
             return "The last set-point of the hand is not known yet. Try again."
-        self._pose.set([*pose, *self.desired[len(pose) :]], now)
+        wanted = [*pose, *self.desired[len(pose) :]]
+        if step_in:
+            is_first = now - self._stepped_at > STEPS_ADD_UP
+            start = _as_pose(self.desired if is_first else self._stepped)
+            made = start.moved(_as_pose(pose), is_by_own_axes=step_in == "tool")
+            wanted = [*made.xyz, *made.quaternion[1:], made.quaternion[0]]
+        self._stepped_at, self._stepped = now if step_in else -math.inf, wanted
+        self._pose.set(wanted, now)
         return ""
 
     def release(self) -> None:
@@ -253,12 +271,13 @@ class HandTeleoperation:
 
     def state(self) -> dict[str, object]:
         """Return the controllers of the hand and their speeds, ready for JSON."""
-        most = self.fastest
+        most, here = self.fastest, self._place
         return {
             "jog": {"controller": self.jog.name, "reason": self.jog.reason},
             "target": {"controller": self.target.name, "reason": self.target.reason},
             "message": self.message,
             "fastest": None if most is None else [most.along, most.about],
+            "place": here and [*here.xyz, *here.rpy()],
         }
 
 
@@ -301,10 +320,10 @@ class HandsTeleoperation:
         hand = self.of(arm)
         return _no_arm(arm) if hand is None else hand.hold(axis, sign, now)
 
-    def go(self, arm: str, pose: Sequence[float], now: float) -> str:
-        """Let one hand go to a pose; see `HandTeleoperation`."""
+    def go(self, arm: str, pose: Sequence[float], now: float, step_in: str = "") -> str:
+        """Let one hand go to a pose or one step; see `HandTeleoperation`."""
         hand = self.of(arm)
-        return _no_arm(arm) if hand is None else hand.go(pose, now)
+        return _no_arm(arm) if hand is None else hand.go(pose, now, step_in)
 
     def release(self) -> None:
         """Treat all held buttons as released; the next step commands rest."""
@@ -331,6 +350,11 @@ def distance(first: Sequence[float], second: Sequence[float]) -> float:
     cosine = abs(sum(a * b for a, b in zip(first[3:], second[3:], strict=True)))
     # Rounding may bring the cosine of two equal orientations above 1.
     return math.dist(first[:3], second[:3]) + 2.0 * math.acos(min(1.0, cosine))
+
+
+def _as_pose(pose: Sequence[float]) -> Pose:
+    x, y, z, qx, qy, qz, qw = pose
+    return Pose((x, y, z), (qw, qx, qy, qz))
 
 
 def _at_most(vector: Sequence[float], length: float) -> list[float]:

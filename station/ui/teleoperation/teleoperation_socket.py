@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from station.ui.link.socket_ends import close_socket, send_frame, until_first
 from station.ui.teleoperation.joint_teleoperation import FASTEST, SLOWEST
 from station.ui.teleoperation.teleoperation import SEND_PERIOD, Refusal, Teleoperation
+from station.wire.rehearsal import Place
 
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 _STATE_EVERY = 5
 _SESSION_ENDED = 4401
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
-_Place = Annotated[list[_Finite], Field(min_length=3, max_length=3)]
-_Pose = Annotated[list[_Finite], Field(min_length=7, max_length=7)]
 _Sign = Literal[1, -1]
 
 
@@ -52,7 +51,8 @@ class _HandJog(_Message):
 class _HandGo(_Message):
     do: Literal["reach"]
     arm: str
-    position: _Place | _Pose
+    place: Place
+    step_in: Literal["", "base", "tool"] = ""
 
 
 class _HandSpeed(_Message):
@@ -128,7 +128,8 @@ class TeleoperationSocket:
             case _Go():
                 return joints.go(said.targets, asked.now())
             case _HandGo():
-                return hands.go(said.arm, said.position, asked.now())
+                pose = [*said.place.position, *(said.place.quaternion() or ())]
+                return hands.go(said.arm, pose, asked.now(), said.step_in)
             case _HandSpeed():
                 hands.set_speed(said.along, said.about)
             case _Speed():

@@ -1,12 +1,15 @@
 """The commands of a person to an end effector, with an injected clock."""
 
+import math
 from dataclasses import replace
 
 import pytest
 
-from station.ui.link.station_view import POSE, TWIST
+from station.core.description.urdf import Pose
+from station.ui.link.station_view import POSE, TWIST, ArmFacts
 from station.ui.teleoperation.hand_teleoperation import (
     PATIENCE,
+    STEPS_ADD_UP,
     HandSpeed,
     HandsTeleoperation,
     HandTeleoperation,
@@ -15,6 +18,7 @@ from station.ui.teleoperation.hand_teleoperation import (
     distance,
 )
 from station.ui.teleoperation.joint_teleoperation import HELD_FOR
+from station.wire.rehearsal import Place
 from tests.ui.views import arm, controller, element, sample, status, view
 
 SPEED = HandSpeed(0.1, 0.4)
@@ -208,3 +212,81 @@ def test_a_target_that_comes_no_nearer_is_given_up():
 def test_a_quaternion_and_its_negative_are_no_distance_apart():
     assert distance(POSE_HERE, [*POSE_HERE[:3], -1.0, 0.0, 0.0, 0.0]) == 0.0
     assert distance(POSE_HERE, POSE_THERE) == pytest.approx(0.1)
+
+
+DOWN = [0.3, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0]
+"""Turned half about x, as the hand of a Panda."""
+QUARTER = math.pi / 2.0
+HALF = math.sqrt(0.5)
+
+
+def _looking_down(desk, **parts):
+    samples = {"hand": HERE.model_copy(update={"desired": DOWN})}
+    desk.refresh(_view(POSE, samples=samples, **parts))
+
+
+def _step(desk, axis, size, now, *, is_of_tool=False):
+    by = [size if i == axis else 0.0 for i in range(6)]
+    quaternion = Place(position=by[:3], rpy=by[3:]).quaternion()
+    return desk.go([*by[:3], *quaternion], now, "tool" if is_of_tool else "base")
+
+
+@pytest.mark.parametrize(
+    ("axis", "size", "is_of_tool", "wanted"),
+    [
+        (2, 0.001, False, [0.3, 0.0, 0.501, 1.0, 0.0, 0.0, 0.0]),
+        (2, 0.001, True, [0.3, 0.0, 0.499, 1.0, 0.0, 0.0, 0.0]),
+        (1, 0.001, True, [0.3, -0.001, 0.5, 1.0, 0.0, 0.0, 0.0]),
+        (0, -0.001, True, [0.299, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0]),
+        (5, QUARTER, False, [0.3, 0.0, 0.5, HALF, HALF, 0.0, 0.0]),
+        (5, QUARTER, True, [0.3, 0.0, 0.5, HALF, -HALF, 0.0, 0.0]),
+    ],
+)
+def test_a_step_goes_along_and_about_the_axes_of_base_or_tool(
+    desk, axis, size, is_of_tool, wanted
+):
+    _looking_down(desk)
+    assert _step(desk, axis, size, 0.0, is_of_tool=is_of_tool) == ""
+    assert desk.step(0.1).values == pytest.approx(wanted, abs=1e-12)
+
+
+def test_steps_that_follow_each_other_add_up_and_late_ones_begin_anew(desk):
+    _looking_down(desk)
+    for now in (0.0, 0.1, 0.2):
+        _step(desk, 2, -0.001, now)
+    assert desk.step(0.3).values[2] == pytest.approx(0.497)
+    _step(desk, 2, -0.001, 0.3 + STEPS_ADD_UP)
+    assert desk.step(2.0).values[2] == pytest.approx(0.499)
+    desk.go([0.4, 0.0, 0.5], 2.1)
+    _step(desk, 0, 0.001, 2.2)
+    assert desk.step(2.3).values[0] == pytest.approx(0.301)
+
+
+def test_a_full_turn_of_many_steps_comes_back(desk):
+    _looking_down(desk)
+    for i in range(360):
+        _step(desk, 4, math.radians(1.0), i / 100, is_of_tool=i % 2 == 0)
+    for i in range(360):
+        _step(desk, 4, math.radians(-1.0), 4 + i / 100, is_of_tool=i % 2 == 1)
+    back = desk.step(8.0).values
+    assert distance(back, DOWN) < 1e-6
+    assert math.hypot(*back[3:]) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_a_step_without_a_controller_is_refused(desk):
+    desk.refresh(view())
+    assert _step(desk, 0, 0.001, 0.0) != ""
+    assert desk.step(0.1) is None
+
+
+def test_the_place_is_what_the_hand_is_told_else_where_it_is(desk):
+    tool = Pose.from_rpy((0.1, 0.2, 0.3), (0.4, 0.5, 0.6))
+    arms = {"panda": ArmFacts(Pose(), Pose(), None, tool)}
+    desk.refresh(_view(TWIST, arms=arms))
+    assert desk.state()["place"] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    desk.refresh(
+        _view(
+            POSE, arms=arms, samples={"hand": HERE.model_copy(update={"desired": DOWN})}
+        )
+    )
+    assert desk.state()["place"] == pytest.approx([0.3, 0.0, 0.5, math.pi, 0.0, 0.0])

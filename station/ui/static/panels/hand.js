@@ -1,7 +1,6 @@
 // The hand of one arm: held directions, steps, a typed pose, and how fast it may move.
 import { Forecast } from "../lib/forecast.js";
-import { act, angleField, api, button, choice, DEGREES, follow, h, holdButton, kept, line, number, offer, Panel, ranged, refusals, show, store, switchTo, teleoperation, typed, units, valueField } from "../lib/panel.js";
-import { anglesOfMatrix, fromAngles, stepped, toAngles } from "../lib/pose_maths.js";
+import { act, angleField, button, choice, DEGREES, h, holdButton, kept, line, number, offer, Panel, peek, ranged, refusals, show, store, switchTo, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
 const JOG = "CartesianJogController";
@@ -18,7 +17,6 @@ const STEPS = [
   { along: 1e-2, about: 5 / DEGREES },
 ];
 const ANGLES = ["roll", "pitch", "yaw"];
-const SUM_MS = 1500; // steps that follow each other within this time add up
 const FIRST_TURN = 3;
 
 class Hand extends Panel {
@@ -102,17 +100,13 @@ class Hand extends Panel {
   }
 
   makeStep(axis, sign) {
-    const isLate = performance.now() - this.steppedAt > SUM_MS;
-    const from = (isLate ? null : this.wanted) ?? this.desired;
-    if (!from) return;
     const { along, about } = STEPS[Number(this.step.value)];
-    this.wanted = stepped(from, axis, sign * (axis < FIRST_TURN ? along : about), this.axes.value === "1");
-    this.steppedAt = performance.now();
-    this.reachFor(this.wanted);
+    const by = AXES.map((_, i) => (i === axis ? sign * (i < FIRST_TURN ? along : about) : 0));
+    this.reach({ position: by.slice(0, FIRST_TURN), rpy: by.slice(FIRST_TURN) }, this.axes.value === "1" ? "tool" : "base");
   }
 
-  reachFor(position) {
-    teleoperation.say({ do: "reach", arm: this.armName, position });
+  reach(place, step_in = "") {
+    teleoperation.say({ do: "reach", arm: this.armName, place, step_in });
   }
 
   listSteps(chosen) {
@@ -126,7 +120,7 @@ class Hand extends Panel {
     return Object.fromEntries(Object.entries(this.speeds).map(([key, { input }]) => [key, Number(input.value)]));
   }
 
-  /** Return the typed pose, three numbers of it without angles; nothing when it is none. */
+  /** Return the typed pose {position, rpy}, without `rpy` if no angle was typed; nothing when it is none. */
   typedPose() {
     const position = this.targets.map((input) => typed(input.value));
     const angles = this.angles.map((angle) => angle.read());
@@ -135,47 +129,32 @@ class Hand extends Panel {
       refusals.add({ code: "not_a_number", detail: "Type x, y and z in metres, and all three angles or none." });
       return null;
     }
-    return isOfPlace ? position : [...position, ...fromAngles(angles)];
+    return isOfPlace ? { position } : { position, rpy: angles };
   }
 
   /** Try to reach the typed pose; without angles the hand keeps its orientation. */
   tryOut(isAround) {
     const pose = this.typedPose();
     if (!pose) return;
-    const [position, orientation] = [pose.slice(0, FIRST_TURN), pose.slice(FIRST_TURN)];
-    const place = orientation.length ? { position, orientation } : { position };
     const joints = Object.fromEntries(store.docks.joints.filter((joint) => joint.startsWith(`${this.armName}_joint`)).map((joint) => [joint, 0]));
-    if (isAround) this.forecast.goAround(joints, place);
-    else this.forecast.rehearseHand(joints, place, kept.get("speed", 29) / DEGREES);
+    if (isAround) this.forecast.goAround(joints, pose);
+    else this.forecast.rehearseHand(joints, pose, kept.get("speed", 29) / DEGREES);
   }
 
   go() {
     const pose = this.typedPose();
     if (!pose) return;
-    this.wanted = null;
     for (const input of [...this.targets, ...this.angles.map((angle) => angle.input)]) input.edited = false;
-    this.reachFor(pose);
+    this.reach(pose);
     if (this.contains(document.activeElement)) document.activeElement.select?.(); // to be typed over
   }
 
   /** Fill in what the hand is told, or else where it is. */
   fillIn() {
-    const measured = store.arms[this.armName]?.O_T_EE;
-    const told = this.isStepping ? this.desired : null;
-    if (!told && !measured) return;
-    const place = told ?? measured.slice(12);
-    const angles = told ? toAngles(told.slice(FIRST_TURN)) : anglesOfMatrix(measured);
+    const place = this.told?.place;
+    if (!place) return;
     this.targets.forEach((input, i) => (input.value = number(place[i], 4)));
-    this.angles.forEach((angle, i) => angle.put(angles[i]));
-  }
-
-  /** Hear what the controller of targets is told; steps begin there. */
-  followTarget(name) {
-    if (name === this.followed) return;
-    this.followed = name;
-    this.endOfTarget?.();
-    this.desired = this.wanted = null;
-    this.endOfTarget = name ? follow(`controller_state/${name}`, "rate=12&fields=desired", ({ data }) => (this.desired = data.desired)) : null;
+    this.angles.forEach((angle, i) => angle.put(place[i + FIRST_TURN]));
   }
 
   start(kind) {
@@ -187,7 +166,7 @@ class Hand extends Panel {
   /** Ask in which axes a jog controller moves the hand. */
   async askFrame(name) {
     this.framed = name;
-    const gains = await api("GET", `/controllers/${name}/gains`).catch(() => null);
+    const gains = await peek(`/controllers/${name}/gains`);
     if (name !== this.framed) return;
     if (!gains) return void (this.framed = ""); // asked again
     this.frame = gains.values.frame;
@@ -207,7 +186,6 @@ class Hand extends Panel {
     const { jog, target, message, fastest } = this.told;
     const isOf = ({ controller, reason }) => Boolean(controller) && !reason;
     this.isStepping = isOf(target);
-    this.followTarget(this.isStepping ? target.controller : "");
     this.handButtons.forEach((button, i) => {
       button.disabled = !isOf(jog) && !this.isStepping;
       const way = `Move the hand ${i % 2 ? "along" : "against"} ${AXES[i >> 1]} ${this.isStepping ? "by one step" : "while held"}`;

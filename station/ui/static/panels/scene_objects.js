@@ -1,6 +1,5 @@
 // The objects of the scene: where they are, moved by arrows in the 3D view or by typing, added, duplicated, removed.
 import { act, api, button, choice, field, h, html, line, live, number, Panel, press, refusals, render, repeat, send, store, typed } from "../lib/panel.js";
-import { toAngles } from "../lib/pose_maths.js";
 
 const LOOK_MS = 500;
 /** The kinds that can be added, with their size at first and what it is [m]. */
@@ -110,7 +109,7 @@ class SceneObjects extends Panel {
   async duplicate({ name, type, size, position: [x, y, z], orientation, role, margin, links, colour, file }) {
     const made = this.free(name);
     const beside = [x, y + (size[type === "box" || type === "table" ? 1 : 0] ?? 0.1) + 0.05, z];
-    if (await this.change("PUT", made, { type, size, position: beside, rpy: toAngles(orientation), role, margin, links, colour, file })) this.choose(made);
+    if (await this.change("PUT", made, { type, size, position: beside, orientation, role, margin, links, colour, file })) this.choose(made);
   }
 }
 
