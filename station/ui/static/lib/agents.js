@@ -2,7 +2,7 @@
 // so that it moves nothing below the pointer.
 import { html, nothing, press, render, repeat } from "./dom.js";
 import { Forecast, stepOf } from "./forecast.js";
-import { act, api, follow } from "./station.js";
+import { act, follow, peek } from "./station.js";
 import { store } from "./store.js";
 
 const TICK_MS = 1000;
@@ -56,13 +56,10 @@ function draw() {
 }
 
 async function look() {
-  try {
-    const { requests } = await api("GET", "/agents/requests");
-    waiting = requests.filter(({ verdict }) => verdict === null);
-    draw();
-  } catch {
-    // The strip says that the station does not answer.
-  }
+  const told = await peek("/agents/requests");
+  if (!told) return;
+  waiting = told.requests.filter(({ verdict }) => verdict === null);
+  draw();
 }
 
 /** Begin to show what agents ask for. */

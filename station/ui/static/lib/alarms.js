@@ -2,16 +2,13 @@
 // those that nobody has seen; the dock Timeline lists and acknowledges them.
 import { html, nothing, press, repeat, show } from "./dom.js";
 import { forPerson } from "./refusals.js";
-import { act, api, follow } from "./station.js";
+import { act, follow, peek } from "./station.js";
 import { units } from "./units.js";
 
 const LOOK_MS = 2000;
 
 class Alarms extends EventTarget {
-  constructor() {
-    super();
-    this.list = [];
-  }
+  list = [];
 
   /** Begin to look; `button` is the count on the strip, `open` shows the list. */
   start(button, open) {
@@ -24,13 +21,10 @@ class Alarms extends EventTarget {
   }
 
   async look() {
-    try {
-      const told = await api("GET", "/alarms");
-      this.list = told.alarms;
-      this.draw(told.unacknowledged);
-    } catch {
-      // The strip says that the station does not answer.
-    }
+    const told = await peek("/alarms");
+    if (!told) return;
+    this.list = told.alarms;
+    this.draw(told.unacknowledged);
   }
 
   draw(unseen) {

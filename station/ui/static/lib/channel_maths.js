@@ -1,6 +1,6 @@
 // What a channel's key means, and its number in a frame of a stream; needs no page. A key is
-// `source|path`, e.g. `robot_state/panda|tau_J_d/3` or `loop|loop/lateness/p99`; a part
-// `@name` of the path is the entry of that name in a list.
+// an address `source|path`, e.g. `robot_state/panda|tau_J_d/3` or `loop|loop/lateness/p99`, or
+// stands for one; a part `@name` of the path is the entry of that name in a list.
 
 const MOST = 2000; // numbers of one source
 
@@ -22,6 +22,15 @@ const RADIANS = /^(q|q_d|theta)$/;
 const unitOf = (field) => UNITS.find(([pattern]) => pattern.test(field))?.[1] ?? "";
 const isChannel = (value) => typeof value === "number" || typeof value === "boolean";
 const nameOf = (entry) => entry?.name ?? entry?.arm_id ?? (entry?.bodies ? entry.bodies.join(" – ") : undefined);
+
+/** Return the address of a usual channel, e.g. of `position/joint1`; `*` is the controller that has the joint. */
+export function addressOf(key) {
+  if (key.includes("|")) return key;
+  const [first, second, element] = key.split("/");
+  if (first === "sample") return `controller_state/*|${second}/@${element}`;
+  if (/^(position|velocity|effort)$/.test(first)) return `joint_states|${first}/@${second}`;
+  return `robot_state/${first}|${second}/${element}`;
+}
 
 /** Return the paths of all numbers in some data, e.g. `["loop/rate", "q/0"]`. */
 export function numbersIn(data) {

@@ -1,17 +1,17 @@
 // The channels of plots: every number that the station streams or answers.
-import { numberAt } from "./channel_maths.js";
-import { api, follow } from "./station.js";
+import { addressOf, numberAt } from "./channel_maths.js";
+import { follow, peek } from "./station.js";
 import { store } from "./store.js";
 
 const FAST_HZ = 30;
 const SLOW_HZ = 10;
 const POLL_MS = 250;
 const PATIENCE_MS = 30000; // a browser opens the streams of a page one by one, a busy one slowly
-/** Return the sources there are now: {id, title, hz, silent, poll}; a poll is a path, not a stream. */
+/** Return the sources there are now: {id, title, hz, silent, poll, isWhole}; a poll is a path, not a stream, and of a whole one no fields are asked for. */
 export function sources() {
   const { arms, controllers } = store.docks;
   return [
-    { id: "joint_states", title: "joint_states", hz: FAST_HZ },
+    { id: "joint_states", title: "joint_states", hz: FAST_HZ, isWhole: true }, // which the page follows anyway
     ...arms.map(({ arm_id: arm }) => ({ id: `robot_state/${arm}`, title: `robot_state/${arm}`, hz: FAST_HZ })),
     ...controllers.map(({ name, state }) => ({ id: `controller_state/${name}`, title: `controller_state/${name}`, hz: FAST_HZ, silent: state !== "running" })),
     ...controllers.map(({ name }) => ({ id: `published/${name}`, title: `${name}: own data`, poll: `/controllers/${name}/state`, part: "published" })),
@@ -27,7 +27,7 @@ const taken = (source, data) => (source.part ? data[source.part] : data);
 /** Return one sample of a source, or null when it has none at the moment. */
 export async function sample(source) {
   if (source.silent) return null;
-  if (source.poll) return taken(source, await api("GET", source.poll).catch(() => ({}))) ?? null;
+  if (source.poll) return taken(source, (await peek(source.poll)) ?? {}) ?? null;
   return new Promise((resolve) => {
     const done = (data) => {
       clearTimeout(timer);
@@ -39,6 +39,12 @@ export async function sample(source) {
   });
 }
 
+/** Return the source that says what a joint is told by the controller that moves it. */
+function controllerOf(joint) {
+  const name = store.docks.operated.names.find((each) => store.controller(each)?.resources.includes(joint));
+  return `controller_state/${name}`;
+}
+
 /** Follow the sources of the wanted channels, and only them. */
 export class Channels {
   /** `hear(key, time [s], value)` takes every number of a wanted channel. */
@@ -48,15 +54,17 @@ export class Channels {
   }
 
   want(keys) {
-    const paths = new Map();
+    const paths = new Map(); // of the wanted channels by their keys, by source
     for (const key of keys) {
-      const [id, path] = key.split("|");
-      if (path !== undefined) paths.set(id, [...(paths.get(id) ?? []), path]);
+      const [source, path] = addressOf(key).split("|");
+      const id = source === "controller_state/*" ? controllerOf(path.split("@")[1]) : source;
+      if (!paths.has(id)) paths.set(id, new Map());
+      paths.get(id).set(key, path);
     }
     for (const [id, { end }] of [...this.followed]) if (!paths.has(id)) this.end(id, end);
     const known = new Map(sources().map((source) => [source.id, source]));
     for (const [id, list] of paths) {
-      const query = list.sort().join(",");
+      const query = [...list.keys()].sort().join(",");
       const before = this.followed.get(id);
       if (before?.query === query) continue;
       if (before) this.end(id, before.end);
@@ -72,16 +80,17 @@ export class Channels {
 
   begin(source, paths) {
     const tell = (data, time) => {
-      for (const path of paths) this.hear(`${source.id}|${path}`, time, numberAt(data, path));
+      for (const [key, path] of paths) this.hear(key, time, numberAt(data, path));
     };
     if (!source.poll) {
-      const fields = new Set(paths.map((path) => path.split("/")[0]));
-      if (paths.some((path) => path.includes("/@")) && /^(joint_states|controller_state)/.test(source.id)) fields.add("name");
-      return follow(source.id, `rate=${source.hz}&fields=${[...fields].join(",")}`, (frame) => tell(frame.data, frame.stamp));
+      const fields = new Set([...paths.values()].map((path) => path.split("/")[0]));
+      if (source.id.startsWith("controller_state") && [...paths.values()].some((path) => path.includes("/@"))) fields.add("name");
+      const query = source.isWhole ? "" : `&fields=${[...fields].join(",")}`;
+      return follow(source.id, `rate=${source.hz}${query}`, (frame) => tell(frame.data, frame.stamp));
     }
     const timer = setInterval(async () => {
       if (document.hidden) return;
-      const told = await api("GET", source.poll).catch(() => null);
+      const told = await peek(source.poll);
       if (told) tell(taken(source, told), store.stationTime);
     }, POLL_MS);
     return () => clearInterval(timer);

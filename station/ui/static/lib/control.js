@@ -13,11 +13,9 @@ const note = (text) => html`<p class="hint">${text}</p>`;
 const button = (label, run, look = "") => press(label, "", run, { look: `s ${look}` });
 
 class Control {
-  constructor() {
-    this.state = { owner: null, mine: false };
-    this.asking = false;
-    this.changes = 0; // how often this page asked for a change, or had its answer
-  }
+  state = { owner: null, mine: false };
+  asking = false;
+  changes = 0; // how often this page asked for a change, or had its answer
 
   start() {
     this.panel = element("control-panel");

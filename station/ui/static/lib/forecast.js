@@ -1,12 +1,11 @@
 // What a motion would do, tried in a copy of the station or with a model of a real arm: the verdict in words, the way as a ghost.
 import { button, h, line } from "./dom.js";
-import { hideGhost, showGhost } from "./ghost.js";
+import { hideGhost, showGhost, ticking } from "./ghost.js";
 import { act } from "./station.js";
 import { store, switchTo } from "./store.js";
 import { number } from "./text.js";
 import { units } from "./units.js";
 
-const TICK_MS = 50;
 const PEAK = 1.875; // peak over mean speed of a motion from rest to rest
 const SHORTEST_S = 0.5;
 const TRAJECTORY = /\/JointTrajectoryController$/;
@@ -43,12 +42,11 @@ export function wordsOf({ outcome, error, duration, joints, contacts, twin }) {
   return [units.words(verdict), left.length ? `Left: ${left.join(", ")}.` : "", touched, worth].filter(Boolean).join(" ");
 }
 
-/** A card with the forecast of one motion at a time; `closed()` is called when a person leaves it. */
+/** A card with the forecast of one motion at a time. */
 export class Forecast {
-  constructor() {
-    this.element = h("div", { class: "forecast", role: "status", hidden: true });
-    this.asked = 0;
-  }
+  element = h("div", { class: "forecast", role: "status", hidden: true });
+  asked = 0;
+  stopPlaying = () => {};
 
   /** Try steps; a motion that would be completed can be made as it was rehearsed, unless it `isOfOther`. */
   async rehearse(steps, { isOfOther = false, before = "" } = {}) {
@@ -138,21 +136,13 @@ export class Forecast {
     this.stopPlaying();
     const known = new Set(store.docks.joints);
     const at = (k) => Object.fromEntries(joints.map(({ joint }, i) => [joint, positions[k][i]]).filter(([joint]) => known.has(joint)));
-    const began = performance.now();
-    const draw = () => {
-      const time = isEnd ? Infinity : (performance.now() - began) / 1000;
-      const next = times.findIndex((each) => each > time);
+    if (!times.length) return;
+    this.stopPlaying = ticking((time) => {
+      const next = isEnd ? -1 : times.findIndex((each) => each > time);
       const k = next < 0 ? times.length - 1 : next;
       showGhost(at(k), `rehearsed, ${number(times[k], 1)} of ${number(times.at(-1), 1)} s`);
-      if (next < 0) clearInterval(this.timer);
-    };
-    if (!times.length) return;
-    this.timer = setInterval(draw, TICK_MS);
-    draw();
-  }
-
-  stopPlaying() {
-    clearInterval(this.timer);
+      return next >= 0;
+    });
   }
 
   close() {

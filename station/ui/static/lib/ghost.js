@@ -3,6 +3,16 @@
 import { send } from "./station.js";
 
 const EVERY_MS = 50;
+
+/** Call `step` with the seconds since now, again and again until it returns false; returns what ends it. */
+export function ticking(step) {
+  const began = performance.now();
+  const tick = () => step((performance.now() - began) / 1000) === false && clearInterval(timer);
+  const timer = setInterval(tick, EVERY_MS);
+  tick();
+  return () => clearInterval(timer);
+}
+
 let wanted = null; // {method, body}: the newest that was asked for and is not sent yet
 let sending = false;
 

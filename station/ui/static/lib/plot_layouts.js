@@ -2,13 +2,13 @@
 import { h, html, press, render } from "./dom.js";
 import { download } from "./plot.js";
 import { refusals } from "./refusals.js";
-import { act, api } from "./station.js";
+import { act, peek } from "./station.js";
 
 const ROUTE = "/plot-layouts";
 export const layoutPath = (name) => `${ROUTE}/${encodeURIComponent(name)}`;
 
 /** Return the names of the layouts that the station keeps; null without an answer. */
-export const layoutNames = async () => (await api("GET", ROUTE).catch(() => null))?.plot_layouts ?? null;
+export const layoutNames = async () => (await peek(ROUTE))?.plot_layouts ?? null;
 
 /** Return the plots of a layout that a file or a link has; null when it has none. */
 export function plotsIn(text) {

@@ -1,27 +1,25 @@
 // A recording as channels of plots: its columns, read when a plot asks for them; needs no page.
+import { addressOf } from "./channel_maths.js";
 import { History } from "./history.js";
 
 /** Most samples of a channel that are read: the rows of a longer recording are thinned. */
 const MOST = 20000;
 const FIRST_COLUMNS = 4; // cycle, time, period, epoch
 const POSITION = "joint_states/position/";
-const JOINT_STATES = /^(position|velocity|effort)$/;
 
 /** Return the column of a recording that has what a channel of the plots shows; undefined without one. */
 export function columnOf(key, columns) {
-  const [source, path] = key.split("|");
-  const [first, field, element] = (path === undefined ? source : path.replaceAll("@", "")).split("/");
-  const named = (...parts) => columns.find((column) => column === parts.filter((part) => part !== undefined).join("/"));
-  if (source === "recorded") return columns.find((column) => column === path);
-  if (path === undefined) {
-    if (JOINT_STATES.test(first)) return named("joint_states", first, field);
-    if (first !== "sample") return named("franka_state", first, field.toLowerCase(), element);
-    return columns.find((column) => column.startsWith("controllers/") && column.endsWith(`/${field}/${element}`));
-  }
-  if (source === "joint_states") return named("joint_states", first, field);
+  const [source, path] = addressOf(key).split("|");
   const [kind, owner] = source.split("/");
-  if (kind === "robot_state") return named("franka_state", owner, first.toLowerCase(), field, element);
-  return kind === "controller_state" ? named("controllers", owner, first, field) : undefined;
+  const [field, ...rest] = path.replaceAll("@", "").split("/");
+  const name = {
+    recorded: path,
+    joint_states: ["joint_states", field, ...rest].join("/"),
+    robot_state: ["franka_state", owner, field.toLowerCase(), ...rest].join("/"),
+    controller_state: ["controllers", owner, field, ...rest].join("/"),
+  }[kind];
+  const [start, end] = (name ?? "").split("*"); // any controller
+  return columns.find((column) => (end === undefined ? column === name : column.startsWith(start) && column.endsWith(end)));
 }
 
 /** Return a table of CSV as {names, rows}, its cells as numbers. */

@@ -14,10 +14,7 @@ export function forPerson(remedy) {
 }
 
 class Refusals extends EventTarget {
-  constructor() {
-    super();
-    this.entries = [];
-  }
+  entries = [];
 
   /** Note a refusal. `request` is what was asked for, to offer it again. */
   add(error, request = {}) {

@@ -1,12 +1,11 @@
 // Recordings that are open: the time of the replay, and what is read of them. It moves nothing.
-import { hideGhost, showGhost } from "./ghost.js";
+import { hideGhost, showGhost, ticking } from "./ghost.js";
 import { Run, parsed, linkOf, runOfTrial, tableQuery } from "./recorded.js";
 import { refusals } from "./refusals.js";
 import { act, api, Refusal, said } from "./station.js";
 import { store } from "./store.js";
 import { number } from "./text.js";
 
-const TICK_MS = 50;
 const POSITION = "joint_states/position";
 
 const pathOf = ({ kind, id }) => `/${kind}/${encodeURIComponent(id)}`;
@@ -45,14 +44,11 @@ async function trial(id) {
 }
 
 class Replay extends EventTarget {
-  constructor() {
-    super();
-    this.runs = []; // the first has the time that the others are shifted to
-    this.time = 0; // since the begin of the first [s]
-    this.speed = 1;
-    this.timer = null;
-    this.reading = "";
-  }
+  runs = []; // the first has the time that the others are shifted to
+  time = 0; // since the begin of the first [s]
+  speed = 1;
+  stop = null; // ends what plays
+  reading = "";
 
   get isOpen() {
     return this.runs.length > 0;
@@ -63,7 +59,7 @@ class Replay extends EventTarget {
   }
 
   get isPlaying() {
-    return this.timer !== null;
+    return this.stop !== null;
   }
 
   tell(what) {
@@ -142,20 +138,20 @@ class Replay extends EventTarget {
   }
 
   play() {
-    let [from, began] = [this.time < this.duration - 0.01 ? this.time : 0, performance.now()];
-    let speed = this.speed;
-    this.timer = setInterval(() => {
-      if (speed !== this.speed) [from, began, speed] = [this.time, performance.now(), this.speed];
-      const time = from + ((performance.now() - began) / 1000) * speed;
+    let time = this.time < this.duration - 0.01 ? this.time : 0;
+    let before = 0;
+    this.stop = ticking((now) => {
+      time += (now - before) * this.speed;
+      before = now;
       if (time >= this.duration) this.pause();
       this.seek(time);
-    }, TICK_MS);
+    });
     this.tell("change");
   }
 
   pause() {
-    clearInterval(this.timer);
-    this.timer = null;
+    this.stop?.();
+    this.stop = null;
     this.tell("change");
   }
 

@@ -101,6 +101,9 @@ export async function send(method, path, body, headers = {}) {
 
 export const api = (method, path, body, headers) => send(method, API + path, body, headers);
 
+/** Return what the station has at a path; null without an answer: the strip says when it is lost. */
+export const peek = (path) => api("GET", path).catch(() => null);
+
 /** Wait for what a person has asked for: a refusal goes into the log and returns undefined. */
 export async function said(promise, request = {}) {
   try {
@@ -177,10 +180,7 @@ export function follow(topic, query, hear) {
 
 /** The commands of a person to joints and hands; the dashboard makes set-points of them. */
 class Teleoperation extends EventTarget {
-  constructor() {
-    super();
-    this.state = { controller: "", reason: "Waiting for the station.", remaining: 0 };
-  }
+  state = { controller: "", reason: "Waiting for the station.", remaining: 0 };
 
   connect() {
     this.socket ??= new Socket("/workspace/teleoperation", (told) => {

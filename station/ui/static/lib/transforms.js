@@ -11,20 +11,15 @@ const SETTLED = 10; // time constants after which the first sample is forgotten
 /** The transforms by what they are called in a saved plot. */
 export const TRANSFORMS = { "": "channels as they are", smooth: "smoothed", difference: "minus the first", norm: "norm of all", spectrum: "spectrum" };
 
-const within = ({ times, values }, from, to, take) => {
-  for (let i = from; i < to; i += 1) take(times[i], values[i]);
-};
-
-/** Return the value of some samples at a time, straight between two of them; null beyond them. */
-function interpolated({ times, values }, time, after) {
-  if (after >= times.length) return null;
+/** Return the value of a channel at a time, straight between two of its samples; null beyond them. */
+function at({ history }, time) {
+  const { times, values } = history;
+  const after = history.indexAt(time);
   if (times[after] === time) return values[after];
-  if (after === 0) return null;
+  if (after === 0 || after >= times.length) return null;
   const part = (time - times[after - 1]) / (times[after] - times[after - 1]);
   return values[after - 1] + part * (values[after] - values[after - 1]);
 }
-
-const at = (history, time) => interpolated(history, time, history.indexAt(time));
 
 /** Transform complex numbers in place; their count is a power of two. */
 function fft(re, im) {
@@ -50,15 +45,16 @@ function fft(re, im) {
  * Return the amplitudes of a channel from `begin` to `end` [s] over frequency [Hz]: a sine has
  * its own. Its mean is taken off, and Hann's window keeps strong frequencies from hiding others.
  */
-function spectrum(source, begin, end) {
+function spectrum(trace, begin, end) {
   const made = new History(Infinity);
+  const source = trace.history;
   const from = source.indexAt(begin);
   const count = source.indexAt(end) - from;
   if (count < 8) return made;
   const [first, last] = [source.times[from], source.times[from + count - 1]];
   const period = (last - first) / (count - 1);
   // Streams have samples at almost even times; a recording has them at even ones.
-  const values = Array.from({ length: count }, (_, i) => at(source, Math.min(first + i * period, last)));
+  const values = Array.from({ length: count }, (_, i) => at(trace, Math.min(first + i * period, last)));
   const mean = values.reduce((sum, value) => sum + value, 0) / count;
   const size = 2 ** Math.ceil(Math.log2(count * PADDING));
   const [re, im] = [new Float64Array(size), new Float64Array(size)];
@@ -73,14 +69,30 @@ function spectrum(source, begin, end) {
   return made;
 }
 
-/** Return what is shown for traces {label, unit}, whose samples may be none yet. */
-function shownAs(traces, how) {
-  if (how === "smooth") return traces.map(({ label, unit }) => ({ label: `smoothed ${label}`, unit }));
-  if (traces.length < 2) return traces;
-  const [first, ...others] = traces;
-  if (how === "difference") return others.map(({ label, unit }) => ({ label: `${label} − ${first.label}`, unit: unit === first.unit ? unit : "" }));
-  if (how === "norm") return [{ label: `norm of ${traces.map(({ label }) => label).join(", ")}`, unit: others.every(({ unit }) => unit === first.unit) ? first.unit : "" }];
-  return traces;
+/** Return samples that `take(time, value)` makes of those from `begin` to `end` [s] and of one on each side. */
+function made(source, begin, end, take) {
+  const history = new History(Infinity);
+  const { times, values } = source.history;
+  const to = Math.min(source.history.indexAt(end) + 1, times.length);
+  for (let i = Math.max(source.history.indexAt(begin) - 1, 0); i < to; i += 1) history.add(times[i], take(times[i], values[i]));
+  return history;
+}
+
+function smoothed(source, begin, end) {
+  let [smooth, before] = [null, null];
+  return made(source, begin - SETTLED * SMOOTHING, end, (time, value) => {
+    smooth = smooth === null ? value : smooth + (value - smooth) * (1 - Math.exp((before - time) / SMOOTHING));
+    before = time;
+    return smooth;
+  });
+}
+
+/** Return what `take` makes of the values of channels, at the times of the first at which all of them have one. */
+function combined([source, ...others], begin, end, take) {
+  return made(source, begin, end, (time, value) => {
+    const values = others.map((other) => at(other, time));
+    return values.includes(null) ? null : take(value, ...values);
+  });
 }
 
 /**
@@ -88,28 +100,13 @@ function shownAs(traces, how) {
  * difference or norm has a sample where all its channels have one, or lie between two.
  */
 export function transformed(traces, how, begin, end) {
-  if (how === SPECTRUM) return traces.map((trace) => ({ ...trace, history: spectrum(trace.history, begin, end) }));
-  const made = shownAs(traces, how);
-  if (made === traces) return traces;
-  const sources = how === "smooth" ? traces : how === "difference" ? traces.slice(1) : [traces[0]];
-  return made.map((trace, k) => {
-    const history = new History(Infinity);
-    const source = sources[k].history;
-    const to = Math.min(source.indexAt(end) + 1, source.times.length);
-    if (how === "smooth") {
-      let smooth = null;
-      let before = null;
-      within(source, Math.max(source.indexAt(begin - SETTLED * SMOOTHING) - 1, 0), to, (time, value) => {
-        smooth = smooth === null ? value : smooth + (value - smooth) * (1 - Math.exp((before - time) / SMOOTHING));
-        before = time;
-        history.add(time, smooth);
-      });
-    } else
-      within(source, Math.max(source.indexAt(begin) - 1, 0), to, (time, value) => {
-        const others = (how === "difference" ? [traces[0]] : traces.slice(1)).map((other) => at(other.history, time));
-        if (others.includes(null)) return;
-        history.add(time, how === "difference" ? value - others[0] : Math.hypot(value, ...others));
-      });
-    return { ...trace, history };
-  });
+  if (how === SPECTRUM) return traces.map((trace) => ({ ...trace, history: spectrum(trace, begin, end) }));
+  if (how === "smooth") return traces.map((trace) => ({ ...trace, label: `smoothed ${trace.label}`, history: smoothed(trace, begin, end) }));
+  const [first, ...others] = traces;
+  if (!["difference", "norm"].includes(how) || !others.length) return traces;
+  const isOneUnit = ({ unit }) => unit === first.unit;
+  if (how === "difference")
+    return others.map((one) => ({ ...one, label: `${one.label} − ${first.label}`, unit: isOneUnit(one) ? one.unit : "", history: combined([one, first], begin, end, (a, b) => a - b) }));
+  const label = `norm of ${traces.map((trace) => trace.label).join(", ")}`;
+  return [{ ...first, label, unit: others.every(isOneUnit) ? first.unit : "", history: combined(traces, begin, end, Math.hypot) }];
 }

@@ -5,10 +5,7 @@ import { inDegrees, number } from "./text.js";
 export const DEGREES = 180 / Math.PI;
 
 class Units extends EventTarget {
-  constructor() {
-    super();
-    this.angle = kept.get("angle", "deg");
-  }
+  angle = kept.get("angle", "deg");
 
   /** Choose "deg" or "rad" for all docks. */
   choose(angle) {

@@ -1,5 +1,5 @@
 // What Franka Desk sets of an arm: collision thresholds, load, end effector, guiding.
-import { act, api, drawn, h, html, live, number, Panel, press, refusals, store, typed } from "../lib/panel.js";
+import { act, html, live, number, Panel, peek, press, refusals, store, typed } from "../lib/panel.js";
 
 const repeated = (list, n) => (list.length === 1 ? Array(n).fill(list[0]) : list);
 const rounded = (list) => list.map((value) => String(Number(number(value, 6)))).join(", ");
@@ -43,18 +43,16 @@ class ArmSettings extends Panel {
   build() {
     this.typed = new Map(); // what somebody has typed, by the label of the field
     this.says = "Refused while the arm moves. Vectors are typed with commas; one number fills all thresholds. The arm does not tell the thresholds that hold.";
-    this.details = this.appendChild(h("details", { class: "arm" }));
-    this.details.addEventListener("toggle", () => this.details.open && this.read());
     this.refresh();
     // Scripts and other pages set the arm, too.
     store.addEventListener("happened", ({ detail }) => detail.what.startsWith(`PUT /robots/${this.armName}/`) && this.read());
   }
 
-  refresh() {
+  view() {
     const guide = () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh());
-    drawn(this.details, html`<summary>Arm: collision thresholds, load, end effector</summary><p class="hint">${this.says}</p>
+    return html`<details class="arm" @toggle=${() => this.read()}><summary>Arm: collision thresholds, load, end effector</summary><p class="hint">${this.says}</p>
       <div class="line" ?hidden=${!store.docks?.simulation}>${press(this.isGuided ? "Guiding off" : "Guiding on", "Press the guiding buttons, so that the simulated arm can be pushed by hand.", guide, { needs: "change", off: () => this.isMoving, pressed: this.isGuided })}</div>
-      ${SETTINGS.map((setting) => this.group(setting))}`);
+      ${SETTINGS.map((setting) => this.group(setting))}</details>`;
   }
 
   group(setting) {
@@ -92,8 +90,8 @@ class ArmSettings extends Panel {
   /** Show what the arm has now, but where somebody has typed. */
   async read() {
     const name = this.armName;
-    if (!name || !this.details.open) return;
-    const arm = await api("GET", `/robots/${name}/state`).catch(() => null); // a lost station is in the strip
+    if (!name || !this.firstElementChild.open) return;
+    const arm = await peek(`/robots/${name}/state`);
     if (!arm || name !== this.armName) return;
     this.known = arm;
     this.refresh();

@@ -1,5 +1,5 @@
 // The bench: tests of one joint, gains that a relay test proposes, and the kept runs.
-import { act, angleField, api, button, choice, drawn, field, figure, h, html, kept, line, nameField, nothing, number, Panel, press, repeat, show, store, typed, units } from "../lib/panel.js";
+import { act, angleField, api, button, choice, drawn, field, figure, h, html, kept, line, nameField, nothing, number, Panel, peek, press, repeat, show, store, typed, units } from "../lib/panel.js";
 import { BodePlot, COLOURS, Plot, responseTraces } from "../lib/plot.js";
 
 /** What each kind of test asks for besides its size and duration. */
@@ -105,7 +105,7 @@ class Bench extends Panel {
 
   async list() {
     this.isListed = true;
-    const told = await api("GET", "/bench-runs").catch(() => null);
+    const told = await peek("/bench-runs");
     if (!told) return (this.isListed = false);
     this.runs = told.runs.reverse();
     return this.draw();

@@ -1,5 +1,5 @@
 // Cameras: their newest pictures, or why there are none. A folded dock asks for none.
-import { api, drawn, h, html, Panel, store } from "../lib/panel.js";
+import { api, drawn, h, html, Panel, peek, store } from "../lib/panel.js";
 
 const LOOK_MS = 30;
 const AGAIN_MS = 5000; // after a picture that did not come
@@ -20,7 +20,7 @@ class CameraWall extends Panel {
     const { boot_id: bootId } = store.docks;
     if (bootId === this.bootId) return;
     this.bootId = bootId;
-    const told = await api("GET", "/cameras").catch(() => null);
+    const told = await peek("/cameras");
     if (!told) this.bootId = ""; // asked again
     this.cameras = (told?.cameras ?? []).map((camera) => ({ ...camera, dueAt: 0, picture: this.pictureOf(camera), large: false }));
     this.draw();

@@ -1,5 +1,5 @@
 // Sets of gains, kept by the station: save, compare with the gains in force, apply.
-import { act, api, choice, drawn, h, html, nameField, number, offer, Panel, press, refusals } from "../lib/panel.js";
+import { act, choice, html, nameField, number, offer, Panel, peek, press, refusals } from "../lib/panel.js";
 
 /** The names that the station can keep as files. */
 const NAME = /^[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}$/;
@@ -9,7 +9,6 @@ class GainSets extends Panel {
     this.sets = choice("Set of gains", [], () => this.showDiff(), { title: "Saved sets of gains, kept by the station." });
     this.setName = nameField("Name of the set", "name", () => this.save());
     this.differs = "";
-    this.place = this.appendChild(h("details", {}));
     this.refresh();
   }
 
@@ -17,13 +16,13 @@ class GainSets extends Panel {
     return `/gain-sets/${encodeURIComponent(this.sets.value)}`;
   }
 
-  refresh() {
+  view() {
     const ofSet = { needs: "change", off: () => !this.sets.value };
-    drawn(this.place, html`<summary>Sets of gains</summary><div class="line">${this.sets}
+    return html`<details><summary>Sets of gains</summary><div class="line">${this.sets}
         ${press("Apply set", "Put the set into force, all controllers in one cycle", () => this.apply(), ofSet)}
         ${press("Delete", "Delete the set", () => this.remove(), ofSet)}${this.setName}
         ${press("Save", "Save the gains of all controllers now", () => this.save(), { needs: "change", off: () => !this.setName.value.trim() })}</div>
-      <p class="hint">${this.differs}</p>`);
+      <p class="hint">${this.differs}</p></details>`;
   }
 
   async apply() {
@@ -47,7 +46,7 @@ class GainSets extends Panel {
 
   /** Ask which sets there are; `chosen` is shown, if it is one of them. */
   async list(chosen = this.sets.value) {
-    const told = await api("GET", "/gain-sets").catch(() => null); // a lost station is in the strip
+    const told = await peek("/gain-sets");
     if (!told) return;
     const names = told.gain_sets;
     this.undoable = told.undoable_changes;
@@ -57,7 +56,7 @@ class GainSets extends Panel {
   }
 
   async showDiff() {
-    const set = this.sets.value && (await api("GET", this.path).catch(() => null));
+    const set = this.sets.value && (await peek(this.path));
     const lines = set?.differences?.map((d) => `${d.controller} ${d.name}: set ${number(d.saved, 4)}, now ${number(d.present, 4)}`);
     if (!this.sets.value) this.differs = "Save the present gains under a name to come back to them.";
     else if (!set) this.differs = "This set cannot be read; somebody may have deleted it.";

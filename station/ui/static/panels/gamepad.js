@@ -1,6 +1,6 @@
 // Gamepad: moves the hand while its dead-man button is held; the map shows what does what.
 import { directionsOf } from "../lib/gamepad_map.js";
-import { h, html, kept, Panel, ranged, render, show, store, teleoperation } from "../lib/panel.js";
+import { drawn, html, kept, Panel, ranged, store, teleoperation } from "../lib/panel.js";
 
 const LOOK_MS = 40; // the dashboard takes 25 set-points a second
 const DEAD_MAN = { button: 5, words: "right shoulder button" };
@@ -13,17 +13,21 @@ const MAP = [
   ["about y", "cross, up and down"],
   ["about z", "right stick, to the left and right"],
 ];
+const REST = MAP.map(() => 0);
 
 class GamepadPanel extends Panel {
   build() {
-    this.state = h("p", { class: "hint", role: "status" });
-    const scale = ranged("scale", (value) => `${value} %`, (value) => kept.set("gamepad-scale", value), { min: 5, max: 100, step: 5, value: kept.get("gamepad-scale", 50), title: "Part of the top speeds of the hand at a full deflection.", ariaLabel: "Scale of the gamepad in percent" });
-    this.scale = scale.input;
-    this.map = h("tbody", {});
-    const table = h("table", { class: "objects" }, h("thead", {}, h("tr", {}, ...["hand", "control", "now"].map((text) => h("th", {}, text)))), this.map);
-    this.details = this.appendChild(h("details", {}, h("summary", {}, "Gamepad"), this.state, scale.label, table));
+    this.scale = ranged("scale", (value) => `${value} %`, (value) => kept.set("gamepad-scale", value), { min: 5, max: 100, step: 5, value: kept.get("gamepad-scale", 50), title: "Part of the top speeds of the hand at a full deflection.", ariaLabel: "Scale of the gamepad in percent" });
     this.asked = []; // the directions that were sent last
+    this.draw("", REST, false);
     setInterval(() => this.look(), LOOK_MS);
+  }
+
+  draw(state, directions, isStop) {
+    const row = (axis, control, now) => html`<tr><th scope="row">${axis}</th><td>${control}</td><td>${now}</td></tr>`;
+    drawn(this, html`<details><summary>Gamepad</summary><p class="hint" role="status">${state}</p>${this.scale.label}
+      <table class="objects"><thead><tr><th>hand</th><th>control</th><th>now</th></tr></thead>
+        <tbody>${MAP.map(([axis, control], i) => row(axis, control, directions[i].toFixed(2)))}${row("STOP", STOP.words, isStop ? "pressed" : "–")}</tbody></table></details>`);
   }
 
   /** The arm whose hand moves. */
@@ -44,24 +48,23 @@ class GamepadPanel extends Panel {
   }
 
   look() {
-    const pad = this.isShown && this.details.open ? [...navigator.getGamepads()].find((one) => one?.mapping === "standard") : null;
+    const isSeen = this.isShown && this.firstElementChild.open;
+    const pad = isSeen ? [...navigator.getGamepads()].find((one) => one?.mapping === "standard") : null;
     const isStop = Boolean(pad?.buttons[STOP.button]?.pressed);
     if (isStop && !this.isStop) document.getElementById("stop").click();
     this.isStop = isStop;
-    if (!this.isShown || !this.details.open) return this.letGo();
-    const directions = pad ? directionsOf(pad) : MAP.map(() => 0);
+    if (!isSeen) return this.letGo();
+    const directions = pad ? directionsOf(pad) : REST;
     const reason = isStop ? "STOP." : this.reasonOf(pad);
-    show(this.state, reason || "The hand moves.");
-    render(MAP.map(([axis, control], i) => html`<tr><th scope="row">${axis}</th><td>${control}</td><td>${directions[i].toFixed(2)}</td></tr>`).concat(html`<tr><th scope="row">STOP</th><td>${STOP.words}</td><td>${isStop ? "pressed" : "–"}</td></tr>`), this.map);
+    this.draw(reason || "The hand moves.", directions, isStop);
     if (reason || !directions.some(Boolean)) return this.letGo();
     this.isHeld = true;
     const { along, about } = kept.get("hand-speed", { along: 0.05, about: 0.3 });
-    const part = this.scale.value / 100;
+    const part = this.scale.input.value / 100;
     teleoperation.say({ do: "hand_speed", along: along * part, about: about * part });
     // A direction that was left is said once more, or it would count as held for a moment.
     directions.forEach((size, axis) => (size || this.asked[axis]) && teleoperation.say({ do: "hand", arm: this.armName, axis, sign: size }));
     this.asked = directions;
-    return undefined;
   }
 
   letGo() {

@@ -1,5 +1,5 @@
 // Gripper: how wide it is, and open, close, grasp with a force, home.
-import { act, api, drawn, field, html, nothing, number, Panel, press, store } from "../lib/panel.js";
+import { act, api, field, html, nothing, number, Panel, press, store } from "../lib/panel.js";
 
 const LOOK_MS = 400;
 
@@ -18,8 +18,8 @@ class Gripper extends Panel {
     this.refresh();
   }
 
-  refresh() {
-    drawn(this, this.arms.size ? [...this.arms].map(([arm, one]) => this.gripper(arm, one)) : html`<p class="hint">This robot has no gripper.</p>`);
+  view() {
+    return this.arms.size ? [...this.arms].map(([arm, one]) => this.gripper(arm, one)) : html`<p class="hint">This robot has no gripper.</p>`;
   }
 
   gripper(arm, { told, fields: { width, tolerance, force } }) {

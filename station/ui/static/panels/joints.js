@@ -2,7 +2,7 @@
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
-import { act, api, button, choice, decide, DEGREES, drawn, follow, h, holdButton, html, kept, line as lineOf, nameField, number, offer, Panel, ranged, refusals, repeat, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
+import { act, button, choice, decide, DEGREES, drawn, follow, h, holdButton, html, kept, line as lineOf, nameField, number, offer, Panel, peek, ranged, refusals, repeat, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
@@ -56,15 +56,12 @@ class Joints extends Panel {
   }
 
   async readPoses() {
-    try {
-      // Asked for only when there are some: the console of a browser lists what is not found.
-      const { waypoint_paths: names } = await api("GET", "/waypoint-paths");
-      this.kept = names.includes("poses") ? (await api("GET", POSES)).waypoints : [];
-    } catch {
-      return false; // The strip says that the station does not answer.
-    }
+    const paths = await peek("/waypoint-paths");
+    // Asked for only when there are some: the console of a browser lists what is not found.
+    const poses = paths?.waypoint_paths.includes("poses") ? await peek(POSES) : paths && { waypoints: [] };
+    if (poses) this.kept = poses.waypoints;
     this.showPoses();
-    return true;
+    return Boolean(poses);
   }
 
   showPoses() {

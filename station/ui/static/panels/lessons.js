@@ -1,5 +1,5 @@
 // Lessons: the task, answers, and what the station says of the student's own run.
-import { act, api, choice, drawn, h, html, kept, nothing, Panel, press, store, typed } from "../lib/panel.js";
+import { act, choice, drawn, h, html, kept, nothing, Panel, peek, press, store, typed } from "../lib/panel.js";
 
 /** Return a line of Markdown as a template: bold, emphasis and code. */
 function inline(text) {
@@ -41,7 +41,7 @@ class LessonBook extends Panel {
 
   async list() {
     this.isListed = true;
-    const told = await api("GET", `/lessons?person=${encodeURIComponent(this.person.value.trim())}`).catch(() => null);
+    const told = await peek(`/lessons?person=${encodeURIComponent(this.person.value.trim())}`);
     if (!told) return (this.isListed = false);
     const chosen = this.choice.value || told.lessons.find((one) => one.is_begun)?.name || told.lessons.find((one) => !one.is_solved)?.name;
     this.lessons = told.lessons;

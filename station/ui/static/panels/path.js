@@ -1,11 +1,10 @@
 // Waypoint paths: captured, edited and played at the station, so they outlive this page.
 import { Forecast } from "../lib/forecast.js";
-import { hideGhost, showGhost } from "../lib/ghost.js";
+import { hideGhost, showGhost, ticking } from "../lib/ghost.js";
 import { act, api, choice, drawn, h, html, live, nameField, number, offer, Panel, press, Refusal, refusals, render, repeat, sharedPrefix, store, switchTo, typed } from "../lib/panel.js";
 
 const LOOK_MS = 250;
 const LIST_MS = 2000;
-const PREVIEW_MS = 60;
 const FIRST_NAME = "path-1";
 
 class Path extends Panel {
@@ -31,7 +30,7 @@ class Path extends Panel {
     const { playback, isActive } = this;
     const may = store.can("change");
     const isEmpty = !this.path.waypoints.length;
-    const [isPaused, isPreview] = [playback?.state === "paused", Boolean(this.previewTimer)];
+    const [isPaused, isPreview] = [playback?.state === "paused", Boolean(this.stopPreview)];
     drawn(this, html`<div class="line">${this.choice}${this.newName}
         ${press("New", "Begin a path of this name", () => this.make(), { needs: "change", off: () => !this.newName.value.trim() })}
         ${press("Delete", "Delete the chosen path from the station", () => this.remove(), { needs: "change", off: () => !this.choice.value })}</div>
@@ -156,7 +155,7 @@ class Path extends Panel {
     const set = () => this.save(changed({ positions: here(point) }));
     const title = Object.entries(point.positions).map(([joint, q]) => `${joint.slice(prefix.length)}: ${number(q, 4)}`).join("\n");
     // A waypoint is shown as a ghost while the pointer or the focus is on its button.
-    const isFree = () => !this.previewTimer;
+    const isFree = () => !this.stopPreview;
     const look = () => isFree() && showGhost(point.positions, `waypoint ${point.name}`);
     const leave = () => isFree() && hideGhost();
     return html`<li title=${title}>${name}${seconds} s
@@ -166,26 +165,25 @@ class Path extends Panel {
 
   /** Let the ghost pass the waypoints once, straight between them, at the chosen speed. */
   preview() {
-    if (this.previewTimer) return this.endPreview();
+    if (this.stopPreview) return this.endPreview();
     const { waypoints } = this.path;
     const start = here(waypoints[0]);
-    const began = performance.now();
-    this.previewTimer = setInterval(() => {
-      let time = ((performance.now() - began) / 1000) * this.factor;
+    this.stopPreview = ticking((seconds) => {
+      let time = seconds * this.factor;
       let from = start;
       for (const { name, duration, positions } of waypoints) {
         if (time < duration) return showGhost(blend(from, positions, time / duration), `preview, to ${name}`);
         time -= duration;
         from = { ...from, ...positions };
       }
-      this.endPreview();
-    }, PREVIEW_MS);
+      return this.endPreview();
+    });
     this.drawTools();
   }
 
   endPreview() {
-    clearInterval(this.previewTimer);
-    this.previewTimer = null;
+    this.stopPreview();
+    this.stopPreview = null;
     this.drawTools();
     hideGhost();
   }

@@ -3,7 +3,7 @@ import "./replay_bar.js";
 import { described, numbersIn } from "../lib/channel_maths.js";
 import { Channels, sample, sources } from "../lib/channels.js";
 import { History } from "../lib/history.js";
-import { button, choice, follow, h, html, kept, line, number, Panel, render, shortNames, show, store, units } from "../lib/panel.js";
+import { button, choice, h, html, kept, line, number, Panel, render, shortNames, show, store, units } from "../lib/panel.js";
 import { layoutMenu, layoutOf } from "../lib/plot_layouts.js";
 import { Plot, download, swatch } from "../lib/plot.js";
 import { Run, ofLink } from "../lib/recorded.js";
@@ -46,7 +46,6 @@ class Plots extends Panel {
     store.addEventListener("restart", () => {
       for (const history of this.histories.values()) history.clear();
     });
-    store.addEventListener("joints", () => this.hear());
     units.addEventListener("change", () => this.plots.forEach((entry) => this.apply(entry)));
     setInterval(() => this.draw(), 1000 / DRAW_HZ);
   }
@@ -163,38 +162,12 @@ class Plots extends Panel {
     for (const field of Object.keys(SAMPLE_UNITS))
       for (const element of operated.elements)
         this.channels.set(`sample/${field}/${element.name}`, { label: `${field} ${names.get(element.name) ?? element.name}`, unit: field === "output" ? SAMPLE_UNITS.output : element.unit });
-    for (const end of this.endsOfSamples ?? []) end();
-    this.endsOfSamples = operated.names.map((name) => follow(`controller_state/${name}`, "rate=30", (frame) => this.hearSample(frame)));
     if (before !== [...this.channels.keys()].join()) for (const entry of this.plots) this.apply(entry);
   }
 
   history(key) {
     if (!this.histories.has(key)) this.histories.set(key, new History());
     return this.histories.get(key);
-  }
-
-  /** Note the newest of every channel that a plot shows. */
-  hear() {
-    if (!store.joints) return;
-    for (const key of this.wanted ?? []) {
-      const [first, second, index] = key.split("/");
-      if (first === "sample" || key.includes("|")) continue;
-      if (first in store.joints) {
-        const i = store.joints.name.indexOf(second);
-        this.history(key).add(store.stationTime, store.joints[first][i]);
-      } else {
-        const arm = store.arms[first];
-        if (arm) this.history(key).add(arm.stamp, arm[second]?.[Number(index)]);
-      }
-    }
-  }
-
-  hearSample(frame) {
-    for (const key of this.wanted ?? []) {
-      const [first, field, joint] = key.split("/");
-      const i = first === "sample" ? frame.data.name.indexOf(joint) : -1;
-      if (i >= 0) this.history(key).add(frame.stamp, frame.data[field]?.[i]);
-    }
   }
 
   addPlot(keys, xy = false, span = 10, how = "") {

@@ -1,7 +1,7 @@
 // Simulation: pause, step, speed, reset, pushes and faults, and where the objects of the
 // scene are (their own panel); absent on a real robot.
 import "./scene_objects.js";
-import { act, api, choice, drawn, h, html, nameField, number, offer, Panel, press, refusals, store, typed } from "../lib/panel.js";
+import { act, api, choice, h, html, nameField, nothing, number, offer, Panel, press, refusals, store, typed } from "../lib/panel.js";
 
 const FAULTS = ["collision", "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint"];
 const LOOK_MS = 500;
@@ -16,8 +16,6 @@ class Simulation extends Panel {
     this.arm = choice("Arm of the fault or push", []);
     this.fault = choice("Fault", FAULTS.map((name) => [name, name.replaceAll("_", " ")]));
     this.force = h("input", { class: "value force", value: "0, 0, 20", ariaLabel: "Force of the push, x, y, z [N]" });
-    this.place = this.appendChild(h("div"));
-    this.append(h("st-scene-objects"));
     this.every(LOOK_MS, () => store.docks.simulation && this.arm.value && this.look());
   }
 
@@ -65,14 +63,14 @@ class Simulation extends Panel {
     act("POST", `/robots/${this.arm.value}/faults`, body).then(() => this.look());
   }
 
-  refresh() {
+  view() {
     const { simulation, arms } = store.docks;
-    if (!simulation) return; // the dock goes, too
+    if (!simulation) return nothing; // the dock goes, too
     const { paused } = simulation;
     offer(this.keyframe, [["", "start"], ...simulation.keyframes]);
     offer(this.arm, arms.map((arm) => arm.arm_id), "no arm");
     this.arm.hidden = arms.length < 2;
-    drawn(this.place, html`<p class="hint state">${paused ? "‖ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s</p>
+    return html`<p class="hint state">${paused ? "‖ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s</p>
       <p class="hint" role="status">${this.done}</p>
       <div class="line">${press(paused ? "Resume" : "Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause(), { needs: "change" })}
         ${press("Step", "Run so many cycles while paused.", () => this.stepOn(), { needs: "change", off: !paused })}${this.steps}cycles</div>
@@ -80,7 +78,8 @@ class Simulation extends Panel {
       <div class="line">${press("Reset", "Put the world back; earlier set-points and goals are void.", () => this.ask("POST", "/simulation/reset", { keyframe: this.keyframe.value || null }, "Simulation reset."), { needs: "change" })} to ${this.keyframe}</div>
       <div class="line" ?hidden=${!arms.length}>${this.arm}${press("Push hand", "Push the hand for 0.3 s.", () => this.push(), { needs: "change" })}${this.force} N</div>
       <div class="line" ?hidden=${!arms.length}>${press("Inject fault", "For exercises: the arm reacts as to a real one.", () => this.inject(), { needs: "change" })}${this.fault}
-        ${press("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`).then(() => this.look()), { needs: "change", off: () => !this.faults?.length })}${press("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }), { needs: "change", off: () => this.isStopped })}</div>`);
+        ${press("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`).then(() => this.look()), { needs: "change", off: () => !this.faults?.length })}${press("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }), { needs: "change", off: () => this.isStopped })}</div>
+      <st-scene-objects></st-scene-objects>`;
   }
 }
 

@@ -1,6 +1,6 @@
 // "Tune for me": a search for better gains in a simulated copy of the station, its
 // progress and its best so far; nothing is applied before a person has seen the change.
-import { act, angleField, api, drawn, field, h, html, number, Panel, press, refusals } from "../lib/panel.js";
+import { act, angleField, api, field, h, html, number, Panel, press, refusals } from "../lib/panel.js";
 import { Plot, responseTraces } from "../lib/plot.js";
 import { FIGURES, figureOf } from "./bench.js";
 
@@ -13,7 +13,7 @@ class TuneSearch extends Panel {
     this.chart = h("div", { class: "chart response", role: "img", ariaLabel: "Responses at the start of the search and of the best trial" });
     this.plot = new Plot(this.chart);
     this.name = this.differs = "";
-    this.draw();
+    this.refresh();
     setInterval(() => this.isShown && this.shown?.best && this.plot.draw(this.plot.end), 250);
     this.every(LOOK_MS, () => this.look());
   }
@@ -23,7 +23,7 @@ class TuneSearch extends Panel {
     const [trials, size, seconds] = ["trials", "size", "seconds"].map((key) => this.fields[key].read());
     if ([trials, size, seconds].includes(null)) return refusals.add({ code: "not_a_number", detail: "Type trials, step and seconds as numbers." });
     this.isStarting = true;
-    this.draw();
+    this.refresh();
     const told = await act("POST", "/experiments", {
       kind: "tune",
       controller,
@@ -33,7 +33,7 @@ class TuneSearch extends Panel {
       commands: [{ kind: "step", joint, amplitude: size }],
     });
     this.isStarting = false;
-    if (!told) return this.draw();
+    if (!told) return this.refresh();
     this.joint = joint;
     this.name = told.name;
     this.drawnBest = null;
@@ -58,14 +58,10 @@ class TuneSearch extends Panel {
     else this.shown = undefined;
   }
 
-  refresh() {
-    this.draw();
-  }
-
   show(told) {
     this.shown = told;
     if (told.best && told.best.hash !== this.drawnBest) this.readBest(told);
-    this.draw();
+    this.refresh();
   }
 
   /** Return how far the search is, in words. */
@@ -75,12 +71,12 @@ class TuneSearch extends Panel {
     return `${name}, ${controller}: ${state}${reason ? `: ${reason}` : ""} · ${ended} of ${trials} trials${failed ? `, ${failed} failed` : ""}${better}${ahead}`;
   }
 
-  draw() {
+  view() {
     const told = this.shown;
     const running = told?.state === "running";
     const row = (one) => html`<tr><td>${one[1]}</td>${[told.first, told.best].map((trial) => html`<td>${trial ? figureOf(trial, one) : "–"}</td>`)}</tr>`;
     const says = told ? this.progressOf(told) : "Tries gains in a simulated copy of this station, in a process of its own; the robot stays as it is. You see the change before it is applied.";
-    drawn(this, html`<div class="line"><b>Search</b>${Object.values(this.fields).map(({ label }) => label)}
+    return html`<div class="line"><b>Search</b>${Object.values(this.fields).map(({ label }) => label)}
         ${press("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), { look: "s primary", needs: "change", off: () => this.isStarting || this.shown?.state === "running" || !this.tuning?.chosen.controller })}
         ${running ? press("Cancel search", "End the search; the best so far stays", () => this.act("cancel"), { needs: "change" }) : ""}</div>
       <progress max="1" value=${told?.trials ? told.ended / told.trials : 0} ?hidden=${!running} aria-label="Progress of the search"></progress>
@@ -88,7 +84,7 @@ class TuneSearch extends Panel {
       <div ?hidden=${!told?.best}>${this.chart}<table class="metrics"><thead><tr><th></th><th>at the start</th><th>best so far</th></tr></thead><tbody>${told?.best ? SHOWN.map(row) : ""}</tbody></table></div>
       <div class="line">${told?.best ? press("Preview gains …", "Show which gains would change", () => this.preview()) : ""}
         ${told?.best && this.previewed ? press("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), { look: "s primary", needs: "change" }) : ""}</div>
-      <p class="hint">${this.differs}</p>`);
+      <p class="hint">${this.differs}</p>`;
   }
 
   /** Read what the best trial has done; what was previewed was another one's. */
@@ -117,7 +113,7 @@ class TuneSearch extends Panel {
     const lines = told.differences.map((d) => `${d.controller} ${d.name}: ${number(d.present, 3)} → ${number(d.saved, 3)}`);
     this.previewed = lines.length ? told : null;
     this.differs = lines.length ? `Would change ${lines.join("; ")}.` : "Nothing would change: these gains are in force.";
-    this.draw();
+    this.refresh();
   }
 
   async apply() {
@@ -125,7 +121,7 @@ class TuneSearch extends Panel {
     const told = await act("POST", `${this.url}/apply`, { trial, revisions });
     this.previewed = null;
     if (told) this.differs = `Applied, and saved as the set “${this.name}”. Undo, above, takes them back.`;
-    this.draw();
+    this.refresh();
     if (told) this.tuning.reread();
   }
 }
