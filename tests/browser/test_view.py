@@ -209,7 +209,7 @@ def test_what_is_not_laid_over_the_robot_is_not_explained(page):
     key = page.locator("#view-tools .key")
     forces = page.locator("#view-tools").get_by_role("button", name="Forces")
     forces.dispatch_event("click")
-    key.get_by_text("contact", exact=True).wait_for(state="detached")
+    key.get_by_text("contact", exact=True).wait_for(state="hidden")
     forces.dispatch_event("click")
     key.get_by_text("contact", exact=True).wait_for()
 

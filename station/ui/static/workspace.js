@@ -2,7 +2,7 @@
 // the first minute and the progress line show. Each panel is a file in `panels/`.
 import { watchAgents } from "./lib/agents.js";
 import { alarms } from "./lib/alarms.js";
-import { button, h, html, isNarrow, kept, nothing, press, render, repeat, show } from "./lib/dom.js";
+import { html, isNarrow, kept, nothing, press, render, repeat, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
 import { layoutNames, layoutPath } from "./lib/plot_layouts.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
@@ -24,18 +24,6 @@ import "./panels/simulation.js";
 import "./panels/lessons.js";
 import "./panels/cameras.js";
 
-const DOCKS = [
-  { id: "joints", title: "Joints", place: "first-column" },
-  { id: "controllers", title: "Controllers", place: "first-column" },
-  { id: "gripper", title: "Gripper", place: "second-column" },
-  { id: "move", title: "Waypoints and moves", place: "second-column" },
-  { id: "tuning", title: "Tuning", place: "second-column" },
-  { id: "lessons", title: "Lessons", place: "second-column" },
-  { id: "cameras", title: "Cameras", place: "second-column" },
-  { id: "plots", title: "Plots", place: "below" },
-  { id: "timeline", title: "Timeline", place: "below" },
-  { id: "simulation", title: "Simulation", place: "below" },
-];
 // Which docks each layout opens, which it opens as well beside them in a second column, and the height of those below.
 const PRESETS = {
   Operate: { open: ["joints", "controllers", "gripper", "plots", "timeline"], wide: ["move", "tuning"], below: 236 },
@@ -48,13 +36,14 @@ const SHRUNK = 200; // a dock may be made so low for another one [px]
 
 const element = (id) => document.getElementById(id);
 const columns = () => (innerWidth >= TWO_COLUMNS ? 2 : 1);
-const sections = new Map(); // of the docks, by their ids
-const usedAt = new Map(); // when a dock was used last, by its id
+const sections = new Map([...document.querySelectorAll(".dock")].map((section) => [section.dataset.dock, section]));
+const ids = [...sections.keys()];
+const usedAt = new Map(ids.map((id, i) => [id, -i])); // when a dock was used last
 
 /** What a layout folds here: without a second column fewer docks are open. */
 function arranged({ open, wide = [], ...sizes }) {
   const shown = columns() > 1 ? [...open, ...wide] : open;
-  return { ...sizes, folded: Object.fromEntries(DOCKS.map(({ id }) => [id, !shown.includes(id)])) };
+  return { ...sizes, folded: Object.fromEntries(ids.map((id) => [id, !shown.includes(id)])) };
 }
 
 const layout = { side: 468, dock: "joints", heights: {}, preset: "Operate", ...kept.get("layout", arranged(PRESETS.Operate)) };
@@ -85,7 +74,7 @@ async function fetchLayout(name) {
   if (told?.plots.length) element("dock-plots").showSettings(told.plots);
   if (!told?.docks) return told && {};
   const { folded, side, below, heights } = told.docks;
-  return { side, below, folded: Object.fromEntries(DOCKS.map(({ id }) => [id, folded.includes(id)])), heights: Object.fromEntries(Object.entries(heights).map(([id, size]) => [id, `${size}px`])) };
+  return { side, below, folded: Object.fromEntries(ids.map((id) => [id, folded.includes(id)])), heights: Object.fromEntries(Object.entries(heights).map(([id, size]) => [id, `${size}px`])) };
 }
 
 /** The layouts of the station's makers, and those that somebody has kept at the station. */
@@ -94,7 +83,7 @@ function drawLayouts() {
     const chosen = name in PRESETS ? arranged(PRESETS[name]) : await fetchLayout(name);
     if (!chosen) return;
     Object.assign(layout, { heights: {} }, chosen, { preset: name });
-    for (const { id } of DOCKS) sections.get(id).dispatchEvent(new CustomEvent("fold", { detail: Boolean(layout.folded[id]) }));
+    for (const [id, section] of sections) section.dispatchEvent(new CustomEvent("fold", { detail: Boolean(layout.folded[id]) }));
     layout.preset = name;
     applySizes();
     keepLayout();
@@ -104,7 +93,7 @@ function drawLayouts() {
     const name = target.value.trim().replace(/\s+/g, "-");
     if (key !== "Enter" || !name || name in PRESETS) return;
     const heights = Object.entries(layout.heights).map(([id, size]) => [id, parseFloat(size)]);
-    const docks = { side: layout.side, below: layout.below, folded: DOCKS.map(({ id }) => id).filter((id) => layout.folded[id]), heights: Object.fromEntries(heights.filter(([, size]) => size > 0)) };
+    const docks = { side: layout.side, below: layout.below, folded: ids.filter((id) => layout.folded[id]), heights: Object.fromEntries(heights.filter(([, size]) => size > 0)) };
     if (!(await act("PUT", layoutPath(name), { plots: element("dock-plots").settings(), docks }))) return;
     target.value = "";
     layout.preset = name;
@@ -137,16 +126,14 @@ function splitter(id, key, grow) {
   });
 }
 
-function makeDock(dock) {
-  const body = h(`st-${dock.id}`, { id: `dock-${dock.id}` });
-  const fold = h("button", { class: "fold", type: "button", "aria-controls": body.id }, h("span", { class: "arrow", ariaHidden: "true" }), dock.title);
-  body.tools = h("span", { class: "tools" });
-  const section = h("section", { class: "dock", data: { dock: dock.id } }, h("h2", {}, fold, body.tools), body);
+function wireDock(section, id) {
+  const { firstElementChild: head, lastElementChild: body } = section;
+  const fold = head.querySelector(".fold");
   const setFolded = (folded) => {
-    layout.folded[dock.id] = folded;
+    layout.folded[id] = folded;
     section.classList.toggle("folded", folded);
     fold.ariaExpanded = !folded;
-    if (body.built && body.isShown && store.docks) body.refresh(); // not at the next poll
+    if (body.isShown && store.docks) body.refresh(); // not at the next poll
   };
   const change = (folded) => {
     setFolded(folded);
@@ -155,22 +142,19 @@ function makeDock(dock) {
     drawLayouts();
     keepLayout();
   };
-  fold.addEventListener("click", () => change(!layout.folded[dock.id]));
-  section.addEventListener("fold", ({ detail }) => {
-    setFolded(detail);
-    section.style.height = layout.heights[dock.id] ?? "";
-  });
-  section.addEventListener("open-dock", () => layout.folded[dock.id] && change(false));
-  for (const name of ["pointerdown", "focusin"]) section.addEventListener(name, () => usedAt.set(dock.id, performance.now()));
-  section.style.height = layout.heights[dock.id] ?? "";
+  const arrange = (folded) => {
+    setFolded(folded);
+    section.style.height = layout.heights[id] ?? "";
+  };
+  fold.addEventListener("click", () => change(!layout.folded[id]));
+  section.addEventListener("fold", ({ detail }) => arrange(detail));
+  section.addEventListener("open-dock", () => layout.folded[id] && change(false));
+  for (const name of ["pointerdown", "focusin"]) section.addEventListener(name, () => usedAt.set(id, performance.now()));
+  arrange(Boolean(layout.folded[id]));
   new MutationObserver(() => {
-    layout.heights[dock.id] = section.style.height;
+    layout.heights[id] = section.style.height;
     keepLayout();
   }).observe(section, { attributes: true, attributeFilter: ["style"] });
-  sections.set(dock.id, section);
-  usedAt.set(dock.id, -sections.size);
-  element(dock.place).append(section);
-  setFolded(Boolean(layout.folded[dock.id]));
 }
 
 /** Fold what was used longest ago in the column of a dock that was opened, until each open one has room. */
@@ -186,12 +170,6 @@ function makeRoom(section) {
   const room = element("side").clientHeight - element("layouts").offsetHeight;
   while (others.length && docks.reduce((sum, one) => sum + needed(one) + 6, 0) > room)
     others.shift().dispatchEvent(new CustomEvent("fold", { detail: true }));
-}
-
-// On a narrow screen one dock is shown at a time; these buttons choose it.
-function makeNav() {
-  element("docks-nav").append(...DOCKS.map(({ id, title }) => button(title, undefined, () => chooseDock(id), { data: { dock: id } })));
-  showChosen();
 }
 
 /** Unfold a dock, which a narrow screen shows alone. */
@@ -311,8 +289,10 @@ function showAge() {
 }
 
 function start() {
-  for (const dock of DOCKS) makeDock(dock);
-  makeNav();
+  for (const [id, section] of sections) wireDock(section, id);
+  // On a narrow screen one dock is shown at a time; these buttons choose it.
+  for (const button of element("docks-nav").children) button.addEventListener("click", () => chooseDock(button.dataset.dock));
+  showChosen();
   drawLayouts();
   applySizes();
   addEventListener("resize", applySizes);

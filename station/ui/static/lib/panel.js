@@ -19,6 +19,11 @@ export class Panel extends HTMLElement {
     store.addEventListener("docks", () => this.isShown && this.refresh());
   }
 
+  /** The place for buttons beside the title of the dock. */
+  get tools() {
+    return this.previousElementSibling.querySelector(".tools");
+  }
+
   /** Whether the dock is open; a folded dock draws nothing. */
   get isShown() {
     return this.offsetParent !== null;

@@ -43,15 +43,8 @@ export function watchScene(view, line, docks) {
 
 // On a narrow screen Viser lays its panel over the picture and cannot be told to fold it.
 function showPanel(view, button) {
-  const narrow = isNarrow();
-  const hidden = narrow && button.ariaPressed !== "true";
-  for (const panel of view.contentWindow.document.querySelectorAll("#root .mantine-Paper-root:has([role=tab])")) {
-    // What Viser shows and hides by itself stays as it is.
-    if (hidden === ("hiddenHere" in panel.dataset)) continue;
-    panel.style.display = hidden ? "none" : "";
-    if (hidden) panel.dataset.hiddenHere = "";
-    else delete panel.dataset.hiddenHere;
-  }
+  const isHidden = isNarrow() && button.ariaPressed !== "true";
+  for (const panel of view.contentWindow.document.querySelectorAll("#root .mantine-Paper-root:has([role=tab])")) panel.style.visibility = isHidden ? "hidden" : "";
 }
 
 // Viser says in a card over the picture that no GPU is used. That is worth knowing and

@@ -6,26 +6,8 @@ import { act, send } from "./station.js";
 import { store } from "./store.js";
 import { typed } from "./text.js";
 
-const CAMERAS = [
-  ["fit", "Fit", "Show all robots."],
-  ["front", "Front", "Look from the front."],
-  ["side", "Side", "Look from the side."],
-  ["top", "Top", "Look from above."],
-  ["hand", "Hand", "Look at the hand from near."],
-];
-// Each with the colours in which it draws: [sign, words]. Only a Franka arm says what pushes it.
-const LAYERS = [
-  ["command", "Command", "Where the robot was told to be, while it is somewhere else (blue-green).", ["figure", "commanded pose"]],
-  ["forces", "Forces", "External force on each arm (red) and where bodies touch (violet).", ["force", "force on the arm"], ["contact", "contact"]],
-  ["limits", "Limits", "Links whose joint is near a limit, in orange, with the angle that is left.", ["limit", "joint near its limit"]],
-  ["trail", "Trail", "Where the hand was.", ["trail", "path of the flange"]],
-  ["frames", "Frames", "Base O, flange F, end effector EE and stiffness frame K.", ["axis-x", "x"], ["axis-y", "y"], ["axis-z", "z axis"]],
-  ["collision", "Collision", "The geometry that collides.", ["hull", "collision geometry"]],
-];
-const OF_FRANKA = ["force"];
 const AT_FIRST = ["command", "forces", "limits"];
 
-const group = (name, ...content) => html`<div class="tools-group" role="group" aria-label=${name}><span aria-hidden="true">${name}</span>${content}</div>`;
 const quietly = (method, path, body) => send(method, path, body).catch((error) => console.warn(error.message));
 
 const PULL = "Pull the robot with the pointer, in simulation.";
@@ -50,7 +32,7 @@ function pushTools() {
   return () => {
     offer(arm, simulated(), "no arm");
     arm.hidden = simulated().length < 2;
-    return group("Push", html`<span class="hint">Pull a link with the pointer, or hold:</span>`, arm, buttons, force, "N");
+    return html`<div class="tools-group" role="group" aria-label="Push"><span aria-hidden="true">Push</span><span class="hint">Pull a link with the pointer, or hold:</span>${arm}${buttons}${force}N</div>`;
   };
 }
 
@@ -83,17 +65,22 @@ export function showViewTools(place) {
     tell();
   };
   const pushing = pushTools();
-  const folder = place.appendChild(h("details", { open: kept.get("view-tools", !isNarrow()), ontoggle: () => kept.set("view-tools", folder.open) }));
-  const camera = ([preset, label, title]) => press(label, title, () => quietly("POST", "/ui/camera", { preset, covered: covered(place) }));
-  const isThere = ([sign]) => store.docks?.arms.length || !OF_FRANKA.includes(sign);
+  const folder = place.querySelector("details");
+  const layers = [...place.querySelectorAll("[data-layer]")];
+  folder.open = kept.get("view-tools", !isNarrow());
+  folder.addEventListener("toggle", () => kept.set("view-tools", folder.open));
+  for (const button of layers) button.addEventListener("click", () => toggle(button.dataset.layer));
+  for (const button of place.querySelectorAll("[data-camera]"))
+    button.addEventListener("click", () => quietly("POST", "/ui/camera", { preset: button.dataset.camera, covered: covered(place) }));
   const draw = () => {
-    const signs = LAYERS.filter(([layer]) => shown.includes(layer)).flatMap(([, , , ...all]) => all.filter(isThere));
+    for (const button of layers) button.ariaPressed = shown.includes(button.dataset.layer);
+    for (const sign of place.querySelectorAll(".key li")) sign.hidden = !shown.includes(sign.dataset.of);
+    // Only a Franka arm says what pushes it.
+    place.querySelector(".force").parentElement.hidden ||= !store.docks?.arms.length;
     const without = store.isOperator ? PULL : "This session only watches. An operator's session can push.";
     const title = simulated().length ? without : "Only a simulated Franka arm can be pushed.";
-    render(html`<summary class="s">View</summary><div class="tools-body">
-      ${group("Camera", CAMERAS.map(camera))}${group("Show", LAYERS.map(([name, label, words]) => press(label, words, () => toggle(name), { pressed: shown.includes(name) })))}
-      <ul class="key" aria-label="What the colours mean">${signs.map(([sign, words]) => html`<li><i class=${sign} aria-hidden="true"></i>${words}</li>`)}</ul>
-      ${group("Act", press("Push", title, togglePush, { pressed: beating !== null, needs: "change", off: () => !simulated().length }))}${beating ? pushing() : nothing}</div>`, folder);
+    const push = press("Push", title, togglePush, { pressed: beating !== null, needs: "change", off: () => !simulated().length });
+    render(html`<span aria-hidden="true">Act</span>${push}${beating ? pushing() : nothing}`, place.querySelector("[aria-label=Act]"));
   };
   draw();
   store.addEventListener("docks", draw);
