@@ -22,7 +22,7 @@ test("a path leads to its number wherever it stands in the list", () => {
 });
 
 test("a key says what it is, with its unit", () => {
-  assert.deepEqual(described("robot_state/panda|tau_J_d/3"), { label: "panda tau_J_d [3]", unit: "Nm", group: "robot_state/panda" });
+  assert.deepEqual(described("robot_state/panda|tau_J_d/3"), { label: "panda tau_J_d [3]", unit: "Nm" });
   assert.equal(described("robot_state/panda|O_F_ext_hat_K/2").unit, "N");
   assert.equal(described("robot_state/panda|O_F_ext_hat_K/3").unit, "Nm");
   assert.equal(described("loop|loop/lateness/p99").unit, "s");

@@ -69,7 +69,7 @@ export function numberAt(data, path) {
   return isChannel(value) ? Number(value) : undefined;
 }
 
-/** Return what a key stands for: {label, unit, group}. */
+/** Return what a key stands for: {label, unit}. */
 export function described(key) {
   const [source, path] = key.split("|");
   const parts = path.split("/");
@@ -78,5 +78,5 @@ export function described(key) {
   const words = parts.map((part) => (part.startsWith("@") ? part.slice(1) : /^\d+$/.test(part) ? `[${part}]` : part)).join(" ");
   const isArm = source.startsWith("robot_state");
   const unit = isArm && RADIANS.test(field) ? "rad" : unitOf(field);
-  return { label: `${short} ${words}`, unit: isArm && field.includes("F_ext_hat_K") ? (Number(parts.at(-1)) < 3 ? "N" : "Nm") : unit, group: source };
+  return { label: `${short} ${words}`, unit: isArm && field.includes("F_ext_hat_K") ? (Number(parts.at(-1)) < 3 ? "N" : "Nm") : unit };
 }

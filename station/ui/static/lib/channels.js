@@ -47,9 +47,9 @@ function controllerOf(joint) {
 
 /** Follow the sources of the wanted channels, and only them. */
 export class Channels {
-  /** `hear(key, time [s], value)` takes every number of a wanted channel. */
-  constructor(hear) {
-    this.hear = hear;
+  /** `hear(key, time [s], value)` takes every number of a wanted channel, at most so many a second. */
+  constructor(hear, most = FAST_HZ) {
+    Object.assign(this, { hear, most });
     this.followed = new Map(); // source id to {query, end}
   }
 
@@ -86,7 +86,7 @@ export class Channels {
       const fields = new Set([...paths.values()].map((path) => path.split("/")[0]));
       if (source.id.startsWith("controller_state") && [...paths.values()].some((path) => path.includes("/@"))) fields.add("name");
       const query = source.isWhole ? "" : `&fields=${[...fields].join(",")}`;
-      return follow(source.id, `rate=${source.hz}${query}`, (frame) => tell(frame.data, frame.stamp));
+      return follow(source.id, `rate=${Math.min(source.hz, this.most)}${query}`, (frame) => tell(frame.data, frame.stamp));
     }
     const timer = setInterval(async () => {
       if (document.hidden) return;

@@ -1,4 +1,5 @@
 // Charts drawn by uPlot: traces over time, over frequency or over one of them, with cursors, marks and zoom.
+import { h, html } from "./dom.js";
 import { History, csvOf } from "./history.js";
 import { number } from "./text.js";
 import { units } from "./units.js";
@@ -15,14 +16,7 @@ const DASHES = [[], [6, 3], [2, 3], [8, 3, 2, 3]];
 export const dashOf = (i) => DASHES[((i % COLOURS) + Math.floor(i / COLOURS)) % DASHES.length];
 
 /** Return a piece of a trace for the legend, dashed as in the plot. */
-export function swatch(i) {
-  const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
-  for (const [name, value] of Object.entries({ x1: 0, y1: 4, x2: 12, y2: 4, "stroke-dasharray": dashOf(i).join(" ") })) line.setAttribute(name, value);
-  const picture = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  picture.setAttribute("aria-hidden", "true");
-  picture.append(line);
-  return picture;
-}
+export const swatch = (i) => html`<svg aria-hidden="true"><line x1="0" y1="4" x2="12" y2="4" stroke-dasharray=${dashOf(i).join(" ")} /></svg>`;
 
 /** Return the ends of an axis for values from `low` to `high`. */
 function withRoom(low, high) {
@@ -380,9 +374,7 @@ export class Plot extends Chart {
 
 /** Hand a text to the browser as a file. */
 export function download(name, text, type = "text/csv") {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type }));
-  link.download = name;
-  link.click();
-  URL.revokeObjectURL(link.href);
+  const href = URL.createObjectURL(new Blob([text], { type }));
+  h("a", { href, download: name }).click();
+  URL.revokeObjectURL(href);
 }

@@ -34,7 +34,6 @@ export class Run {
     Object.assign(this, { kind, id, name, begin, end, cycles, events, columns });
     this.offset = 0; // what is added to its own time since its begin [s]
     this.kept = new Map(); // by column or key: samples over the station's time
-    this.shifted = new Map(); // by key: the same over the common time
   }
 
   get duration() {
@@ -44,7 +43,6 @@ export class Run {
   /** Put a moment of this run, in its station's time, at a common time [s]. */
   align(own, common) {
     this.offset = common - (own - this.begin);
-    this.shifted.clear();
   }
 
   common(time) {
@@ -72,13 +70,8 @@ export class Run {
 
   /** Return the samples of a channel over the common time; none where the run has no such channel. */
   history(key) {
-    if (this.shifted.has(key)) return this.shifted.get(key);
-    const made = new History(Infinity);
-    const kept = this.kept.get(this.place(key));
-    if (!kept) return made;
-    Object.assign(made, { times: kept.times.map((time) => this.common(time)), values: kept.values });
-    this.shifted.set(key, made);
-    return made;
+    const { times, values } = this.kept.get(this.place(key)) ?? new History(Infinity);
+    return Object.assign(new History(Infinity), { times: times.map((time) => this.common(time)), values });
   }
 
   /** Return the recorded positions at a common time, {joint: rad or m}. */

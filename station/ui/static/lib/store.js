@@ -20,14 +20,12 @@ class Store extends EventTarget {
   holder = ""; // somebody else who holds control
   docks = null;
   joints = null;
-  arms = {};
   heardAt = 0;
   markers = []; // {at: station time [s], text}
   bootId = "";
   begunAt = -Infinity;
   lastEvent = 0;
   stationTime = 0;
-  endOfArm = {};
   isEnabling = false; // while "Enable sliders" waits for the station
 
   get isOperator() {
@@ -67,7 +65,6 @@ class Store extends EventTarget {
       const isOld = performance.now() - this.begunAt < OLD_POLL_MS;
       if (docks.boot_id && docks.boot_id !== this.bootId && !isOld) this.begin(docks.boot_id);
       this.docks = docks;
-      this.followArms(docks.arms.map((arm) => arm.arm_id));
       this.dispatchEvent(new Event("docks"));
     } catch {
       // The strip says that the dashboard does not answer; the next poll may.
@@ -104,17 +101,6 @@ class Store extends EventTarget {
     this.dispatchEvent(new Event("marker"));
     this.dispatchEvent(new CustomEvent("happened", { detail: event }));
     if (event.details.mark?.startsWith("gain")) this.dispatchEvent(new Event("gains"));
-  }
-
-  followArms(names) {
-    for (const name of Object.keys(this.endOfArm))
-      if (!names.includes(name)) {
-        this.endOfArm[name]();
-        delete this.endOfArm[name];
-        delete this.arms[name];
-      }
-    for (const name of names)
-      this.endOfArm[name] ??= follow(`robot_state/${name}`, "rate=30&fields=tau_ext_hat_filtered", ({ data }) => (this.arms[name] = data));
   }
 
   /** Return where joints are now [rad] or [m]. */

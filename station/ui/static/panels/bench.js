@@ -1,6 +1,6 @@
 // The bench: tests of one joint, gains that a relay test proposes, and the kept runs.
-import { act, angleField, api, button, choice, drawn, field, figure, h, html, kept, line, nameField, nothing, number, Panel, peek, press, repeat, show, store, typed, units } from "../lib/panel.js";
-import { BodePlot, COLOURS, Plot, responseTraces } from "../lib/plot.js";
+import { act, angleField, api, button, choice, drawn, field, figure, h, html, kept, line, nameField, nothing, number, offer, Panel, peek, press, repeat, show, store, typed, units } from "../lib/panel.js";
+import { BodePlot, COLOURS, Plot, responseTraces, swatch } from "../lib/plot.js";
 
 /** What each kind of test asks for besides its size and duration. */
 const EXCITATIONS = { step: [], sine: ["frequency"], chirp: ["first", "last"], multisine: ["frequencies"], relay: ["hysteresis", "relay_gain"] };
@@ -84,7 +84,7 @@ class Bench extends Panel {
     part.addEventListener("toggle", async () => {
       if (!part.open) return;
       const lists = await Promise.all(["/recordings", "/incidents"].map((path) => api("GET", path).then(({ recordings }) => recordings.map((r) => [`${path}/${r.identifier}`, r.identifier])).catch(() => [])));
-      this.source.replaceChildren(...lists.flat().reverse().map(([value, text]) => h("option", { value }, text)));
+      offer(this.source, lists.flat().reverse(), "none yet");
     });
     return part;
   }
@@ -173,7 +173,7 @@ class Bench extends Panel {
     const shown = this.runs.filter(({ name }) => this.shown.has(name));
     const columns = FIGURES.filter(([key]) => shown.some(({ metrics }) => key in metrics));
     const row = (run) => html`<tr>
-      <td><label class="trace t${this.colourOf(run.name) % COLOURS}"><input type="checkbox" .checked=${this.shown.has(run.name)} aria-label="Show ${run.name}" @change=${() => this.toggle(run.name)} /><svg viewBox="0 0 12 8" aria-hidden="true"><path d="M0 4h12" /></svg>${run.name}</label></td>
+      <td><label class="trace t${this.colourOf(run.name) % COLOURS}"><input type="checkbox" .checked=${this.shown.has(run.name)} aria-label="Show ${run.name}" @change=${() => this.toggle(run.name)} />${swatch(this.colourOf(run.name))}${run.name}</label></td>
       <td>${run.kind} ${run.joint.replace(/^.*_/, "")}: ${Object.entries(run.gains).map(([key, value]) => `${key} ${number(value, Number.isInteger(value) ? 0 : 2)}`).join(", ") || "–"}</td>
       ${columns.map((column) => html`<td>${figureOf(run, column)}</td>`)}
       <td>${press("✕", "", () => this.remove(run.name), { needs: "change", name: `Delete ${run.name}` })}</td>

@@ -1,23 +1,28 @@
 // Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
+import { Channels } from "../lib/channels.js";
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
-import { act, button, choice, decide, DEGREES, drawn, follow, h, holdButton, html, kept, line as lineOf, nameField, number, offer, Panel, peek, ranged, refusals, repeat, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
+import { act, button, choice, decide, DEGREES, drawn, h, holdButton, html, kept, line as lineOf, nameField, number, offer, Panel, peek, ranged, refusals, repeat, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
 /** Where the station keeps the poses, and the seconds to one of them when they are played. */
 const POSES = "/waypoint-paths/poses";
 const POSE_S = 3;
+const DRAW_HZ = 12;
 const SHOW_SENT_MS = 500; // until the dashboard says how far it is
 /** A typed value further away than this shows its ghost first [rad], [m]. */
 const FAR = { rad: 20 / DEGREES, m: 0.1 };
 
+/** The channel of what a joint is told by its controller. */
+const desiredOf = (joint) => `sample/desired/${joint}`;
+
 class Joints extends Panel {
   build() {
     this.rows = new Map();
-    this.desired = new Map(); // what each joint is told, by its controller
-    this.endsOfSamples = [];
+    this.newest = new Map(); // of the channels that the rows show, by their keys
+    this.streamed = new Channels((key, _, value) => this.newest.set(key, value), DRAW_HZ);
     this.units = ["deg", "rad"].map((unit) => button(unit, undefined, () => units.choose(unit), { data: { unit } }));
     const choose = (value) => {
       kept.set("speed", value);
@@ -34,7 +39,7 @@ class Joints extends Panel {
     this.append(this.table, this.far, this.forecast.element, this.state, this.poses());
     units.addEventListener("change", () => this.showUnit());
     this.showUnit();
-    this.drawWithJoints(12, () => this.draw());
+    this.drawWithJoints(DRAW_HZ, () => this.draw());
     teleoperation.addEventListener("change", () => this.isShown && this.showState());
   }
 
@@ -115,7 +120,7 @@ class Joints extends Panel {
   /** How far a value is from what its joint is told; what is no position, or is refused anyway, is near. */
   awayBy(joint, target) {
     const { element, limits, position } = this.rows.get(joint);
-    const size = Math.abs(target - (this.desired.get(joint) ?? position));
+    const size = Math.abs(target - (this.newest.get(desiredOf(joint)) ?? position));
     const isRefused = limits && (target < limits[0] || target > limits[1]);
     if (isRefused || !POSITIONS.includes(element?.unit)) return { size: 0, most: Infinity };
     const isAngle = element.unit === "rad" && units.angle === "deg";
@@ -175,13 +180,11 @@ class Joints extends Panel {
     const names = docks.joints;
     if (names.join() !== [...this.rows.keys()].join()) this.buildRows(names);
     const operated = docks.operated;
-    if (operated.names.join() !== this.operatedNames) {
-      this.operatedNames = operated.names.join();
-      for (const end of this.endsOfSamples) end();
-      this.desired.clear();
-      this.endsOfSamples = operated.names.map((name) =>
-        follow(`controller_state/${name}`, "rate=12&fields=name,desired", ({ data }) => data.name.forEach((joint, i) => this.desired.set(joint, data.desired[i]))),
-      );
+    const followed = [...operated.names, ...names].join();
+    if (followed !== this.followed) {
+      this.followed = followed;
+      this.newest.clear();
+      this.streamed.want([...this.rows].flatMap(([joint, { external }]) => [desiredOf(joint), ...(external ? [external] : [])]));
     }
     const may = (this.may = operated.names.length > 0 && !operated.reason && store.isOperator);
     if (docks.boot_id !== this.posesOf && docks.link === "live") {
@@ -241,7 +244,9 @@ class Joints extends Panel {
       pick: (target) => this.isAgreed({ [joint]: target }) && this.move({ [joint]: target }),
       show: (target) => (target === null ? hideGhost() : showGhost({ [joint]: target }, "where you drag it")),
     });
-    const row = { label, slider, input, limits, unit, sent: null, position: 0, texts: [] };
+    const arm = store.docks.arms.find(({ arm_id: id }) => joint.startsWith(`${id}_joint`))?.arm_id;
+    const external = arm && `${arm}/tau_ext_hat_filtered/${Number(joint.slice(-1)) - 1}`;
+    const row = { label, slider, input, limits, unit, external, sent: null, position: 0, texts: [] };
     const jog = (sign) => () => {
       if (!row.told_speed) teleoperation.say(this.wantedSpeed);
       row.told_speed = true;
@@ -273,7 +278,6 @@ class Joints extends Panel {
 
   draw() {
     const { name, position, velocity, effort } = store.joints;
-    const arms = Object.entries(store.arms);
     for (const [joint, row] of this.rows) {
       const i = name.indexOf(joint);
       if (i < 0) continue;
@@ -281,9 +285,7 @@ class Joints extends Panel {
       const angular = !store.docks.sliding.includes(joint);
       const scale = angular ? units.scale : 1;
       const digits = units.angle === "deg" && angular ? 2 : 4;
-      const arm = arms.find(([id]) => joint.startsWith(`${id}_joint`));
-      const external = arm?.[1].tau_ext_hat_filtered?.[Number(joint.slice(-1)) - 1];
-      row.texts = [number(position[i] * scale, digits) + (angular ? "" : " m"), number(velocity[i] * scale, units.angle === "deg" && angular ? 1 : 3), number(effort[i], 1), number(external, 1)];
+      row.texts = [number(position[i] * scale, digits) + (angular ? "" : " m"), number(velocity[i] * scale, units.angle === "deg" && angular ? 1 : 3), number(effort[i], 1), number(this.newest.get(row.external), 1)];
       this.drawSlider(joint, row, digits);
       this.drawCommand(joint, row, digits);
     }
@@ -291,7 +293,7 @@ class Joints extends Panel {
   }
 
   drawSlider(joint, row, digits) {
-    const command = POSITIONS.includes(row.element?.unit) ? (this.desired.get(joint) ?? null) : null;
+    const command = POSITIONS.includes(row.element?.unit) ? (this.newest.get(desiredOf(joint)) ?? null) : null;
     const isGoing = teleoperation.state.remaining > 1e-6 || performance.now() - this.movedAt < SHOW_SENT_MS;
     const value = number((command ?? row.position) * (row.unit === "m" ? 1 : units.scale), digits);
     row.slider.update(row.position, command, isGoing, `${value}${row.unit === "m" ? " m" : units.sign}`);
@@ -301,7 +303,7 @@ class Joints extends Panel {
   }
 
   drawCommand(joint, row, digits) {
-    const value = this.desired.get(joint);
+    const value = this.newest.get(desiredOf(joint));
     if (row.input.edited) return;
     if (value == null) return void (row.input.value = "");
     // What a person typed stays as typed while it is what the robot is told.

@@ -12,17 +12,17 @@ import { SPECTRUM, TRANSFORMS, transformed } from "../lib/transforms.js";
 
 const DRAW_HZ = 15;
 const DERIVATIVE = "d/dt ";
-const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };
+const SAMPLED = ["desired", "actual", "error", "output"];
 const SHOWN_AT_FIRST = [["position"], ["effort"]];
 
 class Plots extends Panel {
   build() {
-    this.channels = new Map(); // key to {label, unit, group, read(frame data)}
+    this.channels = new Map(); // key to {label, unit}
     this.histories = new Map();
-    this.frozen = new Map(); // what the histories were at the pause; the robot goes on
     this.streamed = new Channels((key, time, value) => this.history(key).add(time, value));
     this.plots = [];
     this.paused = false;
+    this.shown = (key) => this.history(key); // the samples to draw: while paused, those of the pause
     this.pause = button("Pause", "Hold the picture; the robot goes on.", () => this.setPaused(!this.paused));
     const add = button("+ plot", undefined, () => {
       this.addPlot([]);
@@ -92,7 +92,8 @@ class Plots extends Panel {
     this.isZoomed = false;
     show(this.pause, paused ? "Resume" : "Pause");
     this.pause.ariaPressed = paused;
-    this.frozen.clear();
+    const frozen = new Map(); // what the histories were at the pause; the robot goes on
+    this.shown = (key) => (paused ? frozen.get(key) ?? frozen.set(key, this.history(key).copy()).get(key) : this.history(key));
     for (const entry of this.plots) {
       Object.assign(entry.plot, this.held(paused));
       this.apply(entry);
@@ -106,13 +107,6 @@ class Plots extends Panel {
       return { end, span: end - begin, markers: replay.marks(), seek: (time) => replay.seek(time), fixed: replay.time, longest: replay.duration };
     }
     return { end: paused ? store.stationTime : null, markers: paused ? [...store.markers] : store.markers, seek: null, fixed: null, longest: undefined };
-  }
-
-  /** Return the samples to draw: while paused, those of the pause. */
-  drawnHistory(key) {
-    if (!this.paused) return this.history(key);
-    if (!this.frozen.has(key)) this.frozen.set(key, this.history(key).copy());
-    return this.frozen.get(key);
   }
 
   refresh() {
@@ -152,16 +146,16 @@ class Plots extends Panel {
     const names = shortNames(joints);
     const units = { position: ["q", "rad"], velocity: ["dq", "rad/s"], effort: ["τ", "Nm"] };
     for (const [quantity, [symbol, unit]] of Object.entries(units))
-      for (const joint of joints) this.channels.set(`${quantity}/${joint}`, { label: `${symbol} ${names.get(joint)}`, unit, group: "joint_states" });
+      for (const joint of joints) this.channels.set(`${quantity}/${joint}`, { label: `${symbol} ${names.get(joint)}`, unit });
     for (const { arm_id: arm } of arms) {
       const prefixed = arms.length > 1 ? `${arm} ` : "";
-      for (let i = 0; i < 7; i += 1) this.channels.set(`${arm}/tau_ext_hat_filtered/${i}`, { label: `${prefixed}τext joint${i + 1}`, unit: "Nm", group: arm });
-      ["x", "y", "z"].forEach((axis, i) => this.channels.set(`${arm}/O_T_EE/${12 + i}`, { label: `${prefixed}hand ${axis}`, unit: "m", group: arm }));
-      ["x", "y", "z"].forEach((axis, i) => this.channels.set(`${arm}/O_F_ext_hat_K/${i}`, { label: `${prefixed}force ${axis}`, unit: "N", group: arm }));
+      for (let i = 0; i < 7; i += 1) this.channels.set(`${arm}/tau_ext_hat_filtered/${i}`, { label: `${prefixed}τext joint${i + 1}`, unit: "Nm" });
+      ["x", "y", "z"].forEach((axis, i) => this.channels.set(`${arm}/O_T_EE/${12 + i}`, { label: `${prefixed}hand ${axis}`, unit: "m" }));
+      ["x", "y", "z"].forEach((axis, i) => this.channels.set(`${arm}/O_F_ext_hat_K/${i}`, { label: `${prefixed}force ${axis}`, unit: "N" }));
     }
-    for (const field of Object.keys(SAMPLE_UNITS))
+    for (const field of SAMPLED)
       for (const element of operated.elements)
-        this.channels.set(`sample/${field}/${element.name}`, { label: `${field} ${names.get(element.name) ?? element.name}`, unit: field === "output" ? SAMPLE_UNITS.output : element.unit });
+        this.channels.set(`sample/${field}/${element.name}`, { label: `${field} ${names.get(element.name) ?? element.name}`, unit: field === "output" ? "Nm" : element.unit });
     if (before !== [...this.channels.keys()].join()) for (const entry of this.plots) this.apply(entry);
   }
 
@@ -335,12 +329,10 @@ class Plots extends Panel {
     const keys = labels.length === drawn.length ? drawn : entry.how === "difference" ? drawn.slice(1) : [];
     entry.time = h("span", {});
     entry.values = labels.map(() => h("output", {}));
-    entry.legend.replaceChildren(
-      h("b", {}, !labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared, entry.time),
-      ...labels.map((label, i) =>
-        h("span", { class: `trace t${i % 7}`, title: keys[i] ? `${label}; drag it to another plot` : label, draggable: Boolean(keys[i]), ondragstart: () => (this.dragged = { entry, key: keys[i] }), ondragend: () => (this.dragged = null) }, swatch(i), label.slice(shared.length), entry.values[i]),
-      ),
-    );
+    const title = (label, key) => (key ? `${label}; drag it to another plot` : label);
+    const trace = (label, i) => html`<span class="trace t${i % 7}" title=${title(label, keys[i])} draggable=${Boolean(keys[i])}
+      @dragstart=${() => (this.dragged = { entry, key: keys[i] })} @dragend=${() => (this.dragged = null)}>${swatch(i)}${label.slice(shared.length)}${entry.values[i]}</span>`;
+    render(html`<b>${!labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared}${entry.time}</b>${labels.map(trace)}`, entry.legend);
     entry.plot.place.ariaLabel = `Plot of ${labels.join(", ")}`;
     this.note();
   }
@@ -348,8 +340,8 @@ class Plots extends Panel {
   /** Return the channels with their samples: of the robot, or of every recording that is open. */
   sourcesOf(keys) {
     const source = (key, letter, read) => ({ ...this.channel(key), label: this.channel(key).label + letter, key, history: read(key.replace(DERIVATIVE, "")) });
-    if (!replay.isOpen) return keys.map((key) => source(key, "", (name) => this.drawnHistory(name)));
-    return replay.runs.flatMap((run, i) => keys.map((key) => source(key, replay.runs.length > 1 ? ` ${"AB"[i]}` : "", (name) => run.history(name))));
+    const runs = replay.isOpen ? replay.runs : [{ history: this.shown }];
+    return runs.flatMap((run, i) => keys.map((key) => source(key, runs.length > 1 ? ` ${"AB"[i]}` : "", (name) => run.history(name))));
   }
 
   /** Make what is drawn of the channels; an XY plot has them as they are. */
