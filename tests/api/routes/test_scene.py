@@ -42,6 +42,17 @@ def test_things_are_where_the_simulation_has_them():
     assert all(abs(contact.position[2]) < 1e-3 for contact in contacts)
 
 
+def test_an_object_is_put_with_the_quaternion_that_another_one_has():
+    app = create_app(make_franka_station(), Authenticator(OPERATOR, VIEWER))
+    box = {"type": "box", "size": [0.1, 0.2, 0.3], "role": "keep_out"}
+    with StationClient(URL, OPERATOR, transport=AppTransport(app)) as client:
+        place = [0.9, 0.0, 0.4]
+        first = client.put_object("wall", **box, position=place, rpy=[0.4, 1.5, -2.0])
+        turn = first.orientation
+        second = client.put_object("wall-2", **box, position=place, orientation=turn)
+    assert second.orientation == pytest.approx(first.orientation, abs=1e-9)
+
+
 def test_an_arm_carries_a_cube_and_leaves_it_elsewhere(tmp_path):
     station = make_franka_station(objects=[{**CUBE, "position": [0.31, 0.0, 0.45]}])
     app = create_app(
