@@ -73,8 +73,9 @@ export const nameField = (label, placeholder, send, props = {}) => h("input", { 
 
 /** Return a choice among texts, or pairs of value and text. */
 export function choice(label, choices, changed, props = {}) {
-  const options = choices.map((one) => [one].flat()).map(([value, text = value]) => h("option", { value }, text));
-  return h("select", { ariaLabel: label, onchange: changed, ...props }, ...options);
+  const made = h("select", { ariaLabel: label, onchange: changed, ...props });
+  offer(made, choices);
+  return made;
 }
 
 /** Return a row of parts. */

@@ -1,5 +1,5 @@
 // Cameras: their newest pictures, or why there are none. A folded dock asks for none.
-import { api, drawn, h, html, Panel, peek, store } from "../lib/panel.js";
+import { api, h, html, Panel, peek, press, store } from "../lib/panel.js";
 
 const LOOK_MS = 30;
 const AGAIN_MS = 5000; // after a picture that did not come
@@ -7,7 +7,6 @@ const AGAIN_MS = 5000; // after a picture that did not come
 class CameraWall extends Panel {
   build() {
     this.cameras = [];
-    this.wall = this.appendChild(h("div", { class: "wall" }));
     store.addEventListener("docks", () => this.list());
     // One after the other: a browser has few connections, and other docks need some.
     this.every(LOOK_MS, async () => {
@@ -23,7 +22,7 @@ class CameraWall extends Panel {
     const told = await peek("/cameras");
     if (!told) this.bootId = ""; // asked again
     this.cameras = (told?.cameras ?? []).map((camera) => ({ ...camera, dueAt: 0, picture: this.pictureOf(camera), large: false }));
-    this.draw();
+    this.refresh();
   }
 
   pictureOf({ name, width, height }) {
@@ -43,19 +42,19 @@ class CameraWall extends Panel {
       const { cameras } = await api("GET", "/cameras");
       camera.fault = cameras.find(({ name }) => name === camera.name)?.fault || "No picture came.";
     }
-    this.draw();
+    this.refresh();
   }
 
-  draw() {
+  view() {
     const enlarge = (camera) => {
       camera.large = !camera.large;
-      this.draw();
+      this.refresh();
     };
-    drawn(this.wall, this.cameras.map((camera) => html`<figure class=${camera.large ? "large" : ""}>
+    return html`<div class="wall">${this.cameras.map((camera) => html`<figure class=${camera.large ? "large" : ""}>
       ${camera.picture}
-      <figcaption><b>${camera.name}</b> ${camera.frame ? `on ${camera.frame}` : ""} <button class="s" type="button" aria-pressed=${String(camera.large)} aria-label="Show the camera ${camera.name} large" @click=${() => enlarge(camera)}>large</button>
+      <figcaption><b>${camera.name}</b> ${camera.frame ? `on ${camera.frame}` : ""} ${press("large", "", () => enlarge(camera), { pressed: camera.large, name: `Show the camera ${camera.name} large` })}
         ${camera.fault ? html`<span class="fault" role="status">✖ ${camera.fault}</span>` : camera.isDrawn ? "" : "The first picture takes some seconds."}</figcaption>
-    </figure>`));
+    </figure>`)}</div>`;
   }
 }
 

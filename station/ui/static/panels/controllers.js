@@ -36,16 +36,14 @@ class Controllers extends Panel {
     if (states !== this.states) this.drawChains(states);
   }
 
-  /** Show who commands whose references, from the first controller to the last. */
+  /** Show who commands whose references, in the order of their updates. */
   async drawChains(states) {
     this.states = states;
     const told = await peek("/controllers/chains");
     if (!told) return (this.states = ""); // asked again
-    const all = new Map(told.controllers.map((c) => [c.name, c]));
-    const commanded = new Set(told.controllers.flatMap((c) => c.following));
-    const heads = told.controllers.filter((c) => c.following.length && !commanded.has(c.name));
-    const drawn = (level) => level.map((c) => `${c.state === "running" ? "●" : "○"} ${c.name}${c.is_in_chained_mode ? " (chained)" : ""}`).join(", ");
-    return render(heads.map((head) => html`<p class="hint">${levelsOf(head, all).map(drawn).join(" → ")}</p>`), this.chains);
+    const drawn = new Map(told.controllers.map((c) => [c.name, `${c.state === "running" ? "●" : "○"} ${c.name}${c.is_in_chained_mode ? " (chained)" : ""}`]));
+    const link = ({ name, following }) => html`<p class="hint">${drawn.get(name)} → ${following.map((each) => drawn.get(each) ?? each).join(", ")}</p>`;
+    return render(told.controllers.filter(({ following }) => following.length).map(link), this.chains);
   }
 
   row(c) {
@@ -114,16 +112,6 @@ class Controllers extends Panel {
     // The pointer is at another button by now: only the newest answer is shown.
     if (looks === this.looks) show(this.preview, text);
   }
-}
-
-/** Return the controllers of a chain, level by level: those that a level commands are the next. */
-function levelsOf(head, all) {
-  const levels = [[head]];
-  for (let last = levels[0]; last.length; last = levels.at(-1)) {
-    const names = new Set(last.flatMap((c) => c.following));
-    levels.push([...names].map((name) => all.get(name)).filter(Boolean));
-  }
-  return levels.slice(0, -1);
 }
 
 /** Return how far each joint steps, e.g. `joint1 0.0012 rad, joint2 −0.5 rad; 5 others not`. */

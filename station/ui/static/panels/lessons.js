@@ -1,5 +1,5 @@
 // Lessons: the task, answers, and what the station says of the student's own run.
-import { act, choice, drawn, h, html, kept, nothing, Panel, peek, press, store, typed } from "../lib/panel.js";
+import { act, choice, h, html, kept, nothing, offer, Panel, peek, press, store, typed } from "../lib/panel.js";
 
 /** Return a line of Markdown as a template: bold, emphasis and code. */
 function inline(text) {
@@ -27,12 +27,11 @@ class LessonBook extends Panel {
     this.person = h("input", { class: "name", placeholder: "your name", value: kept.get("student", ""), ariaLabel: "Name of the student", onchange: name });
     const choose = () => {
       this.result = null;
-      this.draw();
+      super.refresh();
     };
     this.choice = choice("Lesson", [], choose);
-    this.page = h("div", { class: "lesson" });
     this.lessons = [];
-    this.append(h("div", { class: "line" }, this.choice, this.person), this.page);
+    super.refresh();
   }
 
   refresh() {
@@ -46,9 +45,9 @@ class LessonBook extends Panel {
     const chosen = this.choice.value || told.lessons.find((one) => one.is_begun)?.name || told.lessons.find((one) => !one.is_solved)?.name;
     this.lessons = told.lessons;
     this.unusable = told.unusable;
-    this.choice.replaceChildren(...told.lessons.map((one, i) => h("option", { value: one.name }, `${one.is_solved ? "✔ " : ""}${i + 1}. ${one.title}`)));
+    offer(this.choice, told.lessons.map((one, i) => [one.name, `${one.is_solved ? "✔ " : ""}${i + 1}. ${one.title}`]));
     if (chosen) this.choice.value = chosen;
-    return this.draw();
+    return super.refresh();
   }
 
   async begin(lesson) {
@@ -58,27 +57,27 @@ class LessonBook extends Panel {
   }
 
   async check(lesson) {
-    const inputs = [...this.page.querySelectorAll("input.value")];
+    const inputs = [...this.querySelectorAll("input.value")];
     const answers = Object.fromEntries(inputs.map((input) => [input.name, typed(input.value)]).filter(([, value]) => value !== null));
     this.result = await act("POST", `/lessons/${lesson.name}/check`, { person: this.person.value.trim(), answers });
     await this.list();
   }
 
-  draw() {
+  view() {
     const lesson = this.lessons.find(({ name }) => name === this.choice.value);
-    if (!lesson) return;
+    return html`<div class="line">${this.choice}${this.person}</div><div class="lesson">${lesson ? this.page(lesson) : nothing}</div>`;
+  }
+
+  page(lesson) {
     const verdict = (one) => html`<li class=${one.is_met ? "" : "fault"}>${one.is_met ? "✔" : "✖"} ${one.says}${one.hint ? html`<p class="hint">${inline(one.hint)}</p>` : nothing}</li>`;
-    drawn(
-      this.page,
-      html`${markdown(lesson.text)}
+    return html`${markdown(lesson.text)}
         <div class="line">
           ${press(lesson.is_begun ? "Begin anew" : "Begin", "", () => this.begin(lesson), { look: lesson.is_begun ? "s" : "s primary", needs: "change" })}
           ${lesson.answers.map((answer) => html`<label>${answer.label} <input class="value" name=${answer.name} inputmode="decimal" autocomplete="off" aria-label="${answer.label} [${answer.unit}]" /> ${answer.unit}</label>`)}
           ${press("Check", "", () => this.check(lesson), { look: lesson.is_begun ? "s primary" : "s", needs: "change", off: !lesson.is_begun })}
         </div>
         <div role="status">${this.result ? html`<b>${this.result.is_solved ? "Solved." : "Not solved yet."}</b><ul class="verdicts">${this.result.verdicts.map(verdict)}</ul>` : nothing}</div>
-        ${this.unusable?.length ? html`<p class="hint">Left out: ${this.unusable.join(" ")}</p>` : nothing}`,
-    );
+        ${this.unusable?.length ? html`<p class="hint">Left out: ${this.unusable.join(" ")}</p>` : nothing}`;
   }
 }
 

@@ -30,7 +30,7 @@ class LoadForm extends Panel {
     const { controller_types: types } = await api("GET", "/controller-types");
     const known = types.find((each) => each.type === type);
     this.declared = known?.parameters ?? [];
-    this.view = h("div", { class: "fields" });
+    this.fields = h("div", { class: "fields" });
     this.text = h("textarea", { rows: 8, value: example.yaml, spellcheck: false, ariaLabel: "Parameters in YAML" });
     this.other = button("", undefined, () => this.changeView());
     this.fill(example.params);
@@ -39,7 +39,7 @@ class LoadForm extends Panel {
     const name = h("input", { value: example.name, ariaLabel: "Name of the controller" });
     const load = (label, look, needs) => button(label, undefined, () => this.load(name.value.trim(), type, needs === "motion"), { class: look, needs, off: () => !name.value.trim() });
     const buttons = line(load("Load", "s", "change"), load("Load and start", "s primary", "motion"), this.other, button("Back", undefined, () => this.offerTypes(this.search.value)));
-    const parts = [h("p", {}, h("b", {}, type), " ", known?.description ?? ""), this.armChoice(type, arm), h("label", {}, "name", name), this.view, this.text, buttons];
+    const parts = [h("p", {}, h("b", {}, type), " ", known?.description ?? ""), this.armChoice(type, arm), h("label", {}, "name", name), this.fields, this.text, buttons];
     this.replaceChildren(...parts.filter(Boolean));
   }
 
@@ -55,12 +55,12 @@ class LoadForm extends Panel {
   /** Make the fields for some parameters, and for those that are declared besides. */
   fill(params) {
     this.inputs = fieldsOf(params, this.declared, shortNames(store.docks.joints));
-    this.view.replaceChildren(...this.inputs.map((field) => field.row));
+    this.fields.replaceChildren(...this.inputs.map((field) => field.row));
   }
 
   showView(isText) {
     this.text.hidden = !isText;
-    this.view.hidden = isText;
+    this.fields.hidden = isText;
     show(this.other, isText ? "Edit as fields" : "Edit as YAML");
   }
 

@@ -1,5 +1,5 @@
 // The objects of the scene: where they are, moved by arrows in the 3D view or by typing, added, duplicated, removed.
-import { act, api, button, choice, field, h, html, line, live, number, Panel, press, refusals, render, repeat, send, store, typed } from "../lib/panel.js";
+import { act, api, choice, field, h, html, live, number, Panel, press, refusals, repeat, send, store, typed } from "../lib/panel.js";
 
 const LOOK_MS = 500;
 /** The kinds that can be added, with their size at first and what it is [m]. */
@@ -12,15 +12,12 @@ const rounded = (list) => list.map((value) => number(value, 3)).join(", ");
 class SceneObjects extends Panel {
   build() {
     this.chosen = ""; // the object at which the 3D view has arrows
-    this.place = h("div", { class: "scroll" });
     const words = (names) => names.map((name) => [name, name.replaceAll("_", " ")]);
     this.kind = choice("Kind of the new object", words(Object.keys(SIZES)), () => this.showSize());
     this.roleChoice = choice("Role of the new object", words(["keep_out", "fence"]));
     this.size = field("size", "", "m", "Size of the new object [m]");
     this.name = h("input", { class: "name", placeholder: "name", ariaLabel: "Name of the new object" });
-    this.addButton = button("Add", "Add it 0.6 m from the world’s middle, at its front and right; arms keep clear of it at once.", () => this.add(), { needs: "change" });
     this.size.input.classList.add("wide");
-    this.append(this.place, line(h("b", {}, "New"), this.kind, this.roleChoice, this.size.label, this.name, this.addButton));
     this.objects = [];
     this.showSize();
     this.every(LOOK_MS, () => this.look());
@@ -35,17 +32,15 @@ class SceneObjects extends Panel {
 
   async look() {
     this.objects = (await api("GET", "/scene")).objects;
-    this.draw();
-  }
-
-  refresh() {
-    this.draw();
-  }
-
-  draw() {
     if (this.chosen && !this.objects.some(({ name }) => name === this.chosen)) this.choose("");
+    this.refresh();
+  }
+
+  view() {
     const rows = repeat(this.objects, ({ name }) => name, (thing) => this.row(thing));
-    render(this.objects.length ? rows : html`<p class="hint">There is nothing around the robot.</p>`, this.place);
+    return html`<div class="scroll">${this.objects.length ? rows : html`<p class="hint">There is nothing around the robot.</p>`}</div>
+      <div class="line"><b>New</b>${this.kind}${this.roleChoice}${this.size.label}${this.name}
+        ${press("Add", "Add it 0.6 m from the world’s middle, at its front and right; arms keep clear of it at once.", () => this.add(), { needs: "change" })}</div>`;
   }
 
   row(thing) {
@@ -65,7 +60,7 @@ class SceneObjects extends Panel {
   choose(name) {
     this.chosen = name;
     send("PUT", "/ui/object", { name }).catch((error) => console.warn(error.message));
-    this.draw();
+    this.refresh();
   }
 
   async change(method, name, body) {
