@@ -41,6 +41,9 @@ _KEYS = {
 }  # fmt: skip
 _FRICTION = 1.0
 _MARGIN = 0.02
+_FARTHEST = 1000.0  # [m]: doubles still tell micrometres apart, and MuJoCo converges
+_HEAVIEST = 1e6  # [kg]
+_ROUGHEST = 100.0  # friction over normal force
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,19 +145,28 @@ def read_object(values: object, where: str) -> SceneObject:
     file = entry.get("file", "")
     if kind == "mesh":
         _check_mesh(file, f"{where}/file")
+    elif file:
+        _refuse(f"{where}/file", f"is {file!r}", f"left out: a {kind} has no file")
     size = _numbers(entry.get("size", []), _SIZES[kind], f"{where}/size")
-    if any(value <= 0.0 for value in size):
-        _refuse(f"{where}/size", f"is {size}", "above 0")
+    if not all(0.0 < value <= _FARTHEST for value in size):
+        _refuse(f"{where}/size", f"is {size}", f"above 0, and {_FARTHEST:g} m at most")
     zeros_ = [0.0, 0.0, 0.0]
     mass = _numbers([entry.get("mass", 0.0)], 1, f"{where}/mass")[0]
     friction = _numbers([entry.get("friction", _FRICTION)], 1, f"{where}/friction")[0]
-    if mass < 0.0 or friction < 0.0:
-        _refuse(where, f"has mass {mass} and friction {friction}", "0 or more")
+    if not 0.0 <= mass <= _HEAVIEST or not 0.0 <= friction <= _ROUGHEST:
+        _refuse(
+            where,
+            f"has mass {mass} and friction {friction}",
+            f"0 or more, {_HEAVIEST:g} kg and {_ROUGHEST:g} at most",
+        )
+    position = _numbers(entry.get("position", zeros_), 3, f"{where}/position")
+    if any(abs(value) > _FARTHEST for value in position):
+        _refuse(f"{where}/position", f"is {position}", f"within {_FARTHEST:g} m")
     return SceneObject(
         name=name,
         kind=kind,
         size=size,
-        position=_numbers(entry.get("position", zeros_), 3, f"{where}/position"),
+        position=position,
         rpy=_numbers(entry.get("rpy", zeros_), 3, f"{where}/rpy"),
         mass=mass,
         friction=friction,
@@ -205,8 +217,8 @@ def _solid(entry: Mapping[str, object], where: str) -> bool:
 
 def _margin(entry: Mapping[str, object], where: str) -> float:
     margin = _numbers([entry.get("margin", _MARGIN)], 1, f"{where}/margin")[0]
-    if margin < 0.0:
-        _refuse(f"{where}/margin", f"is {margin}", "0 or more [m]")
+    if not 0.0 <= margin <= _FARTHEST:
+        _refuse(f"{where}/margin", f"is {margin}", f"0 to {_FARTHEST:g} m")
     return margin
 
 
@@ -222,8 +234,8 @@ def _colour(values: object, where: str) -> tuple[int, ...]:
     if not values:
         return ()
     red, green, blue = _numbers(values, 3, where)
-    if not all(0.0 <= one <= 255.0 for one in (red, green, blue)):
-        _refuse(where, f"is {values!r}", "of numbers from 0 to 255")
+    if not all(one in range(256) for one in (red, green, blue)):
+        _refuse(where, f"is {values!r}", "of whole numbers from 0 to 255")
     return int(red), int(green), int(blue)
 
 
@@ -278,6 +290,6 @@ def _numbers(values: object, count: int, where: str) -> tuple[float, ...]:
 def _refuse(where: str, found: str, wanted: str) -> NoReturn:
     raise ParameterError(
         f"'{where}' {found}; it must be {wanted}.",
-        remedy="Correct the configuration.",
+        remedy="Correct the object.",
         details={"parameter": where},
     )

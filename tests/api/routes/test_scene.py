@@ -148,7 +148,7 @@ def test_places_are_put_moved_and_removed_while_the_station_runs():
             ("cube", {"type": "sphere", "size": [0.1]}, "built once"),
             ("table", {"size": [1, 1, 0.2]}, "built once"),
             ("wall", {"links": ["link9"]}, "no arm has"),
-            ("wall", {"margin": -0.1}, "0 or more"),
+            ("wall", {"margin": -0.1}, "0 to 1000 m"),
         ):
             with pytest.raises(ApiError, match=refusal):
                 client.put_object(name, **values)
