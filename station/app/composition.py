@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from station.config import StationConfig
+from station.config.validation import RESERVED_NAMES
 from station.controllers import CONTROLLERS
 from station.core.clock import Clock, SystemClock
 from station.core.control.controller_loader import default_loaders
@@ -136,8 +137,7 @@ def compose(
         snapshots=snapshots,
         heartbeat=heartbeat,
     )
-    reserved = frozenset({ROBOT_NAMESPACE})
-    station = Station(loop, manager, root, config.robot.type, reserved)
+    station = Station(loop, manager, root, config.robot.type, RESERVED_NAMES)
     return Composition(station, _load_controllers(station, config, announce))
 
 

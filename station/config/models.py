@@ -20,12 +20,12 @@ from pydantic_core import PydanticCustomError
 
 from station.core.loop.pace import FASTEST, SLOWEST
 
-NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
+NAME_PATTERN = r"^[A-Za-z0-9_]+$"
 PLUGIN_PATTERN = r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$"
 MODULE_PATTERN = r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*$"
 ORIGIN_PATTERN = r"^https?://([A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\])(:[0-9]{1,5})?$"
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
-"""What ROS allows as a name without namespaces."""
+"""A name without namespaces, as `ControllerManager` takes it."""
 Port = Annotated[int, Field(ge=0, le=65535)]
 """A TCP port; 0 for any free one."""
 PluginType = Annotated[str, Field(pattern=PLUGIN_PATTERN)]

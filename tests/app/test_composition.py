@@ -66,6 +66,17 @@ def test_parameters_stay_in_the_tree(tmp_path):
     assert parameters.get("robot/type") == TYPE
 
 
+@pytest.mark.parametrize("name", ["robot", "scene", "robot_description"])
+def test_a_controller_never_takes_the_place_of_the_stations_parameters(tmp_path, name):
+    station = compose(configure(tmp_path, ""), ManualClock()).station
+    before = station.parameters.get(name, None)
+
+    with pytest.raises(ParameterError, match="no controller's"):
+        station.load_controller(name, GROUP, {"joints": ["joint1"]})
+
+    assert station.parameters.get(name, None) == before
+
+
 def test_controller_that_cannot_be_loaded_is_left_out(tmp_path):
     config = configure(
         tmp_path, f"arm: {{type: {GROUP}, joints: [joint1]}}, odd: {{type: no/Such}}"
