@@ -43,7 +43,7 @@ def test_ball_falls_onto_the_table_and_stays_there():
         ({"size": [-0.1]}, "it must be above 0"),
         (
             {"size": [1e300]},
-            "size' is .*1e.300.* it must be above 0, and 1000 m at most",
+            "it must be above 0, and 1000 m at most",
         ),
         ({"position": [0, -1e6, 0]}, "position' is .* it must be within 1000 m"),
         ({"mass": -1.0}, "it must be 0 or more"),
