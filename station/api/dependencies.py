@@ -4,6 +4,7 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from functools import wraps
 from inspect import Parameter, signature
+from math import isfinite, nan
 from typing import Annotated, Any
 
 from fastapi import Depends, Header, Request, Security
@@ -211,14 +212,16 @@ def refuse_late(
         return
     try:
         late = now() - float(told)
-    except ValueError as error:
+    except ValueError:
+        late = nan
+    if not isfinite(late):
         raise ProblemError(
             422,
             "invalid_request",
             f"{NOT_AFTER_HEADER} is {told!r:.40}; it is seconds since 1970.",
             f"Add to {CLOCK_HEADER} of the last answer, or leave it out.",
-        ) from error
-    if not late <= 0.0:
+        )
+    if late > 0.0:
         raise ProblemError(
             412,
             "expired",

@@ -55,11 +55,17 @@ class JsonRoute(APIRoute):
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         handle = super().get_route_handler()
         needs_access = _depends_on_access(self.dependant)
+        known = _query_of(self.dependant)
+        # A misspelt certificate must not be given, nor a misspelt filter taken.
+        is_strict = needs_access and (bool(known) or self.methods != {"GET"})
 
         async def handle_json(request: Request) -> Response:
             authenticator = services_of(request).authenticator
             if needs_access and not authenticator.access_of_headers(request.headers):
                 return await handle(JsonRequest(request.scope, _no_body))
+            unknown = request.query_params.keys() - known
+            if is_strict and unknown:
+                raise _unknown_query(sorted(unknown), known)
             asked = JsonRequest(request.scope, request.receive)
             if not _is_json(asked) and await asked.body():
                 raise ProblemError(
@@ -104,6 +110,22 @@ def _too_many(found: str, most: int) -> ProblemError:
 def _depends_on_access(dependant: Dependant) -> bool:
     return any(
         one.call is access or _depends_on_access(one) for one in dependant.dependencies
+    )
+
+
+def _query_of(dependant: Dependant) -> frozenset[str]:
+    """Return the names of the parameters that a route takes in its query."""
+    names = {field.alias for field in dependant.query_params}
+    return frozenset(names).union(*map(_query_of, dependant.dependencies))
+
+
+def _unknown_query(unknown: list[str], known: frozenset[str]) -> ProblemError:
+    return ProblemError(
+        422,
+        "invalid_request",
+        f"The query has the unknown parameter '{unknown[0]:.40}'; allowed are "
+        f"{', '.join(sorted(known)) or 'none'}.",
+        "Correct the address; /docs has the parameters. Nothing changed.",
     )
 
 

@@ -72,6 +72,8 @@ def explain_json(body: object, position: int, why: str) -> str:
                 f"is no JSON at character {position}: JSON has no {word}; every number "
                 "must be finite"
             )
+    if "UTF-8" in why:  # the parser has no text to show then
+        return "is no JSON: it is no text in UTF-8"
     if not text.strip():
         return "is empty, where a JSON object is expected"
     shown = text[position : position + 20]

@@ -78,3 +78,30 @@ def test_a_body_of_too_many_values_is_refused_before_it_is_judged(
     else:
         problem = problem_of(answer, 413, "body_too_large")
         assert "allowed" in problem["detail"]
+
+
+@pytest.mark.parametrize(
+    ("method", "url", "allowed"),
+    [
+        ("PUT", "controllers/spring/command?certificat=kept", "certificate"),
+        ("POST", "controllers/switch?dry_run=true", "certificate"),
+        ("POST", "gain-sets/undo?count=2", "none"),
+        ("GET", "events?after=3", "kind, limit"),
+    ],
+)
+def test_an_unknown_parameter_of_a_query_is_refused(
+    operator, spring, method, url, allowed
+):
+    body = {"command": [0.5]} if method == "PUT" else {"stop": ["spring"]}
+    answer = operator.request(
+        method, f"/api/v1/{url}", json=None if method == "GET" else body
+    )
+
+    problem = problem_of(answer, 422, "invalid_request")
+    assert url.partition("?")[2].partition("=")[0] in problem["detail"]
+    assert allowed in problem["detail"]
+    assert spring.controller("spring").state == "running"
+
+
+def test_a_stranger_is_not_told_what_a_query_may_have(http):
+    problem_of(http.get("/api/v1/events?after=3"), 401, "unauthorized")

@@ -41,6 +41,7 @@ def test_no_word_of_the_validator_is_handed_on():
         ('{"start": ["a"],}', "is no JSON: trailing comma is not allowed, at ',}' at"),
         ('{"start": ["a"', "is no JSON: unexpected end of data, at its end"),
         ("   ", "is empty, where a JSON object is expected"),
+        (b'{"start": ["\xff"]}', "body: is no JSON: it is no text in UTF-8."),
     ],
 )
 def test_a_refusal_says_which_field_its_value_and_what_is_allowed(

@@ -51,5 +51,8 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
 
 
 def change(*statuses: int) -> dict[str, Any]:
-    """Return the options of a route that changes something: its role, its errors."""
-    return {"dependencies": [Operator], "responses": problems(*statuses)}
+    """Return the options of a route that changes something: its role, its errors.
+
+    Any of them can refuse its query or `X-Not-After` as malformed.
+    """
+    return {"dependencies": [Operator], "responses": problems(422, *statuses)}

@@ -20,7 +20,7 @@ from station import wire
 from station.api.auth import Access
 from station.api.control import Control, ControlHeldError
 from station.api.streams.request import StreamRequestError, read_format
-from station.api.validation_words import explain
+from station.api.validation_words import explain, explain_json
 from station.core.errors import StationError
 from station.core.facade.station import Station
 
@@ -310,11 +310,12 @@ def _told(error: StationError | ValueError) -> dict[str, object]:
             "remedy": error.remedy or "See the detail.",
         }
     if isinstance(error, json.JSONDecodeError):
-        detail = f"The message is no JSON: {error}."
+        detail = f"The message {explain_json(error.doc, error.pos, error.msg)}."
     elif isinstance(error, ValidationError):
         first = error.errors()[0]
-        field = "/".join(str(part) for part in first["loc"])
-        detail = f"{field}: {explain(first['type'], first.get('ctx', {}))}."
+        field = "".join(f"{part}/" for part in first["loc"])[:-1]
+        words = explain(first["type"], first.get("ctx", {}))
+        detail = f"{field}: {words}." if field else f"The message {words}."
     else:
         detail = str(error)
     remedy = 'Send {"command": [one number per element]}.'

@@ -112,6 +112,24 @@ def test_a_wrong_set_point_is_refused_and_the_stream_goes_on(server, message, co
     assert after["applied"] == 1
 
 
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        (
+            '{"command": [NaN]}',
+            "message is no JSON at character 13: JSON has no NaN",
+        ),
+        ("nonsense", "The message is no JSON: invalid literal, expected 'null', at"),
+        ("7", "The message must be an object."),
+        ('{"command": ["0.1"]}', "command/0: must be a number."),
+    ],
+)
+def test_a_refusal_says_what_is_wrong_with_the_message(server, message, said):
+    with open_stream(server, TOPIC) as stream:
+        stream.send(message)
+        assert said in settled(stream, 1)["error"]["detail"]
+
+
 def test_silence_lets_the_set_point_expire(server, station):
     port = station.manager.get_controller("spring").set_points
     with open_stream(server, TOPIC, query="?timeout=0.01") as stream:
