@@ -278,6 +278,21 @@ class FciSection(_Section):
     desk: int | None = Field(default=None, ge=1, le=65535)
 
 
+def _in_order(ends: tuple[float, float]) -> tuple[float, float]:
+    low, high = ends
+    if not low < high:
+        raise PydanticCustomError(
+            "range_out_of_order", "Input should be two numbers, the lower one first"
+        )
+    return ends
+
+
+# YAML has no tuples: the list of a range is taken for one, its numbers are still
+# strict.
+Range = Annotated[tuple[float, float], Field(strict=False), AfterValidator(_in_order)]
+"""The lower and the upper end of a range."""
+
+
 class EnvelopeSection(_Section):
     """Bounds of the motions of agents, beside the robot's own.
 
@@ -289,10 +304,8 @@ class EnvelopeSection(_Section):
         force: Highest force of a contact [N]; None for any.
     """
 
-    joints: dict[str, tuple[float, float]] = Field(default_factory=dict, strict=False)
-    workspace: dict[Literal["x", "y", "z"], tuple[float, float]] = Field(
-        default_factory=dict, strict=False
-    )
+    joints: dict[str, Range] = Field(default_factory=dict)
+    workspace: dict[Literal["x", "y", "z"], Range] = Field(default_factory=dict)
     speed: float | None = Field(default=None, gt=0.0)
     force: float | None = Field(default=None, ge=0.0)
 

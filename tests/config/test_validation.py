@@ -68,6 +68,34 @@ def test_modules_of_configured_controllers_may_be_loaded_besides_the_listed_ones
     assert modules == {"listed.package", "mine.arm"}
 
 
+def test_an_envelope_of_agents_is_written_in_lists():
+    bounds = {"joints": {"panda_joint1": [-1, 1]}, "workspace": {"z": [0.1, 0.8]}}
+
+    envelope = validate(
+        {**MINIMAL, "agents": {"envelope": bounds}}, place
+    ).agents.envelope
+
+    assert envelope.joints == {"panda_joint1": (-1.0, 1.0)}
+    assert envelope.workspace == {"z": (0.1, 0.8)}
+
+
+@pytest.mark.parametrize(
+    ("bounds", "message"),
+    [
+        ({"joints": {"j": [1, -1]}}, "it must be two numbers, the lower one first."),
+        ({"joints": {"j": 1.0}}, "it must be two numbers, the lower one first."),
+        ({"joints": {"j": [0.1]}}, "agents.envelope.joints.j[1] is missing."),
+        ({"joints": {"j": ["-1", 1]}}, "joints.j[0] is '-1'; it must be a number."),
+        ({"workspace": {"w": [0, 1]}}, "workspace.w is 'w'; it must be"),
+    ],
+)
+def test_an_impossible_range_of_an_envelope_is_refused(bounds, message):
+    with pytest.raises(ConfigError) as caught:
+        validate({**MINIMAL, "agents": {"envelope": bounds}}, place)
+
+    assert message in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("section", "value", "message"),
     [
