@@ -13,7 +13,7 @@ from station.core.control.controller_manager import (
     ControllerManager,
 )
 from station.core.control.hardware_components import INITIAL_STATE
-from station.core.errors import StationError, show
+from station.core.errors import ConfigError, StationError, show
 from station.core.facade.station import Station
 from station.core.hardware.async_robot_hw import AsyncRobotHW
 from station.core.loop.control_loop import ControlLoop
@@ -138,7 +138,18 @@ def compose(
         heartbeat=heartbeat,
     )
     station = Station(loop, manager, root, config.robot.type, RESERVED_NAMES)
+    _check_envelope(config, station.joint_names)
     return Composition(station, _load_controllers(station, config, announce))
+
+
+def _check_envelope(config: StationConfig, joints: Sequence[str]) -> None:
+    # The range of a joint that is misspelt would hold nothing.
+    unknown = sorted(config.agents.envelope.joints.keys() - set(joints))
+    if unknown:
+        raise ConfigError(
+            [f"agents.envelope.joints names {unknown}; the robot has {list(joints)}."],
+            remedy="Correct the configuration and start again.",
+        )
 
 
 def _load_controllers(

@@ -213,6 +213,17 @@ def test_only_modules_that_the_configuration_names_are_imported(tmp_path):
     assert "antigravity" not in sys.modules
 
 
+def test_an_envelope_of_agents_holds_joints_that_there_are(tmp_path):
+    path = tmp_path / "station.yaml"
+    path.write_text(
+        f"robot: {{type: '{TYPE}'}}\ncontrollers: {{}}\n"
+        "agents: {envelope: {joints: {joint1: [-1, 1], joint_1: [-1, 1]}}}"
+    )
+
+    with pytest.raises(StationError, match=r"names \['joint_1'\]; .* has \['joint1'\]"):
+        compose(load_config(path), ManualClock())
+
+
 def test_every_step_is_announced_before_it_is_done(tmp_path):
     config = configure(
         tmp_path, f"arm: {{type: {GROUP}, joints: [joint1]}}, odd: {{type: no/Such}}"
