@@ -278,15 +278,15 @@ class ControllerUpdate:
             is_stalled_again = time - times.stalled_at <= STALL_MEMORY
             times.stalled_at = time
         if times.late_updates >= LATE_UPDATES:
-            times = f"{LATE_UPDATES} in a row"
+            often = f"{LATE_UPDATES} in a row"
         elif is_stalled_again:
-            times = f"and one within {STALL_MEMORY:g} s before it as long"
+            often = f"and one within {STALL_MEMORY:g} s before it as long"
         else:
             return
         self._fail(
             one,
             time,
-            f"update took {milliseconds(duration)}, {times}; an update may take at "
+            f"update took {milliseconds(duration)}, {often}; an update may take at "
             f"most {milliseconds(self.update_budget)}",
             None,
         )
