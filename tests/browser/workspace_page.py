@@ -1,6 +1,6 @@
 """Find and use the docks of the workspace with Playwright, as a person would."""
 
-from tests.waiting import wait_until as wait_until
+from tests import waiting
 
 CONTROLLER = "effort_group_position_controller"
 """The controller that the page starts first."""
@@ -15,6 +15,19 @@ window.WebSocket = class extends WebSocket {
   }
 };
 """
+
+
+def wait_until(holds, seconds=20.0):
+    """Poll until `holds()` is true; return its last answer, which callers assert.
+
+    A look is a request here, of several milliseconds of two processes. A hundred of
+    them a second would take half a processor from the page that is waited for.
+
+    Args:
+        holds: What is waited for.
+        seconds: How long at most [s].
+    """
+    return waiting.wait_until(holds, seconds, pause=0.05)
 
 
 class WorkspacePage:
