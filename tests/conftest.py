@@ -21,6 +21,12 @@ from tests.thread_guard import leaked_threads
 TESTS = Path(__file__).parent
 ONE_STATION = "tests/browser/workspace/"
 """The folder whose files share a station."""
+MARKS_OF_FOLDERS = {
+    "browser": ("browser", "slow", "alone"),
+    "system": ("slow", "alone"),
+    "ui": ("alone",),
+}
+"""The marks of all tests of a folder: a browser and whole processes are never quick."""
 
 # Looking for garbage in what the tests have imported takes a tenth of their time.
 gc.set_threshold(*GC_THRESHOLDS)
@@ -36,7 +42,12 @@ def pytest_report_header() -> str:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the option for the second, interpreted run."""
+    """Add the options for runs of a part of the tests."""
+    parser.addoption(
+        "--marked",
+        metavar="MARK",
+        help="read only files with a test that has this mark",
+    )
     parser.addoption(
         "--reaching-compiled",
         action="store_true",
@@ -44,22 +55,30 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out files without a test that has the mark of `--marked`.
+
+    To read all tests takes every worker ten seconds, for a mark that few have.
+    """
+    mark = config.getoption("--marked")
+    if mark is None or not collection_path.name.startswith("test_"):
+        return None
+    if mark in MARKS_OF_FOLDERS.get(_folder(collection_path), ()):
+        return None
+    return f"mark.{mark}" not in collection_path.read_text() or None
+
+
 def pytest_collection_modifyitems(
     config: pytest.Config, items: list[pytest.Item]
 ) -> None:
-    """Mark tests by their folder: a browser and whole processes are never quick."""
+    """Mark tests by their folder, and bring them into their order."""
     if config.getoption("--reaching-compiled"):
         others = [item for item in items if not _reaches_compiled(item)]
         items[:] = [item for item in items if _reaches_compiled(item)]
         config.hook.pytest_deselected(items=others)
     for item in items:
-        folder = item.path.relative_to(TESTS).parts[0]
-        if folder == "browser":
-            item.add_marker(pytest.mark.browser)
-        if folder in {"browser", "system"}:
-            item.add_marker(pytest.mark.slow)
-        if folder in {"browser", "system", "ui"}:
-            item.add_marker(pytest.mark.alone)
+        for mark in MARKS_OF_FOLDERS.get(_folder(item.path), ()):
+            item.add_marker(mark)
     items.sort(key=_turn)
 
 
@@ -67,6 +86,11 @@ def pytest_collection_finish() -> None:
     """Keep what is imported, and the tests, out of sight of the garbage collector."""
     gc.collect()
     gc.freeze()
+
+
+def _folder(path: Path) -> str:
+    """Return which folder of the tests has a file."""
+    return path.relative_to(TESTS).parts[0]
 
 
 def _turn(item: pytest.Item) -> int:

@@ -23,7 +23,7 @@ def test_a_plot_is_paused_zoomed_measured_and_saved(workspace, enabled):
     page, dock = workspace.page, workspace.dock("plots")
     box = dock.locator(".plot").first
     plot = "document.querySelector('st-plots').plots[0].plot"
-    page.wait_for_function(f"() => {plot}.traces[0].history.times.length > 30")
+    page.wait_for_function(f"() => {plot}.traces[0].history.times.length > 12")
     workspace.button("plots", "Pause").click()
     end = page.evaluate(f"() => {plot}.end")
     before = enabled.status().cycle
