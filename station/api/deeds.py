@@ -94,7 +94,7 @@ def words_of(what: str, who: str, result: str, *, is_done: bool) -> str:
 
 
 def mark_of(what: str) -> str | None:
-    """Return how a request that was carried out is marked in plots; None: not at all.
+    """Return the mark in plots for a request that was carried out; None for no mark.
 
     Args:
         what: Its method and route.
