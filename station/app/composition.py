@@ -137,7 +137,15 @@ def compose(
         snapshots=snapshots,
         heartbeat=heartbeat,
     )
-    station = Station(loop, manager, root, config.robot.type, RESERVED_NAMES)
+    station = Station(
+        loop,
+        manager,
+        root,
+        config.robot.type,
+        reserved=RESERVED_NAMES,
+        # The description may change: models that are loaded later read it.
+        fixed=frozenset({ROBOT_NAMESPACE}),
+    )
     _check_envelope(config, station.joint_names)
     return Composition(station, _load_controllers(station, config, announce))
 

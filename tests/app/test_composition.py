@@ -77,6 +77,16 @@ def test_a_controller_never_takes_the_place_of_the_stations_parameters(tmp_path,
     assert station.parameters.get(name, None) == before
 
 
+def test_the_description_may_change_while_the_station_runs(tmp_path):
+    server = compose(configure(tmp_path, ""), ManualClock()).station.parameter_server
+
+    server.set("robot_description", "<robot/>")
+
+    assert server.get("robot_description") == "<robot/>"
+    with pytest.raises(ParameterError, match="while the station runs"):
+        server.set("robot/type", "other")
+
+
 def test_controller_that_cannot_be_loaded_is_left_out(tmp_path):
     config = configure(
         tmp_path, f"arm: {{type: {GROUP}, joints: [joint1]}}, odd: {{type: no/Such}}"

@@ -16,6 +16,9 @@ pytestmark = pytest.mark.slow
 
 DESCRIPTORS = 128
 FEW = 44
+SOON = 5.0
+"""How long a stop may take on a slow machine [s]: one that is kept out is not answered
+at all while the others hold their connections."""
 
 
 @pytest.fixture
@@ -49,7 +52,7 @@ def test_the_stop_works_while_strangers_eat_descriptors(station):
             raw = stack.enter_context(socket.create_connection(address))
             raw.sendall(beginnings[number % len(beginnings)])
             if number % DESCRIPTORS == DESCRIPTORS - 1:
-                assert stop(url, token) < 1.0
+                assert stop(url, token) < SOON
 
     assert "out of system resource" not in station.errors
 
@@ -65,7 +68,7 @@ def test_the_stop_gets_in_where_hardly_a_file_can_be_opened(station):
             raw = stack.enter_context(socket.create_connection(address))
             raw.sendall(b"POST /api/v1/stop HTTP/1.1\r\nX: ")
             if number % FEW == FEW - 1:
-                assert stop(url, token) < 2.0
+                assert stop(url, token) < SOON
 
     assert "out of system resource" not in station.errors
     assert f"may open {FEW} files only" in station.errors
@@ -83,7 +86,7 @@ def test_the_stop_works_while_viewers_open_all_the_streams_they_can(station):
             stack.enter_context(
                 connect(address, additional_headers=headers, proxy=None)
             )
-        assert stop(url, access["token"]) < 1.0
+        assert stop(url, access["token"]) < SOON
 
     assert "out of system resource" not in station.errors
 
@@ -104,6 +107,6 @@ def test_the_stop_works_while_strangers_leave_refused_streams_half_closed(statio
                 socket.create_connection((parts.hostname, parts.port))
             )
             raw.sendall(handshake)
-        assert stop(url, access["token"]) < 1.0
+        assert stop(url, access["token"]) < SOON
 
     assert "out of system resource" not in station.errors

@@ -25,7 +25,7 @@ class ParameterServer:
         parameters: The root of the tree.
         change_lock: Lock of each loading and unloading of a controller.
         is_loading: Returns whether a controller of a name is being loaded.
-        reserved: Names at the root that cannot be changed while the station runs.
+        fixed: Names at the root that cannot be changed while the station runs.
     """
 
     def __init__(
@@ -33,12 +33,12 @@ class ParameterServer:
         parameters: Parameters,
         change_lock: threading.Lock,
         is_loading: Callable[[str], bool],
-        reserved: Collection[str] = (),
+        fixed: Collection[str] = (),
     ) -> None:
         self._tree = parameters.tree
         self._change_lock = change_lock
         self._is_loading = is_loading
-        self._reserved = reserved
+        self._fixed = fixed
 
     def get(self, path: str = "") -> object:
         """Return the value at a path; the whole tree without a path.
@@ -62,7 +62,7 @@ class ParameterServer:
             value: Plain data; a mapping replaces the whole namespace.
 
         Raises:
-            ParameterError: The path is empty or reserved, or leads through a value that
+            ParameterError: The path is empty or fixed, or leads through a value that
                 is no namespace.
             ControllerExistsError: The parameters belong to a controller that is being
                 loaded.
@@ -85,7 +85,7 @@ class ParameterServer:
 
         Raises:
             ParameterNotFoundError: There is no such parameter.
-            ParameterError: The path is empty or reserved.
+            ParameterError: The path is empty or fixed.
             ControllerExistsError: The parameters belong to a controller that is being
                 loaded.
         """
@@ -99,11 +99,11 @@ class ParameterServer:
         """Return the parts of a path.
 
         Raises:
-            ParameterError: The path is empty or reserved.
+            ParameterError: The path is empty or fixed.
             ControllerExistsError: A controller is being loaded with it.
         """
         parts = [part for part in path.split("/") if part]
-        if not parts or parts[0] in self._reserved:
+        if not parts or parts[0] in self._fixed:
             raise ParameterError(
                 f"Parameter '{path}' cannot be changed while the station runs.",
                 remedy="Change it in the configuration and start the station again.",

@@ -168,6 +168,7 @@ class Station:
         parameters: The root of the parameter tree; controllers live under their name.
         robot_type: Type of the robot for the status.
         reserved: Names at the root of the tree that no controller may have.
+        fixed: Those of them that cannot be changed while the station runs.
 
     Attributes:
         loop: The loop.
@@ -191,6 +192,7 @@ class Station:
         parameters: Parameters,
         robot_type: str = "",
         reserved: frozenset[str] = frozenset(),
+        fixed: frozenset[str] = frozenset(),
     ) -> None:
         self.loop = loop
         self.manager = manager
@@ -207,7 +209,7 @@ class Station:
         self._change_lock = threading.Lock()
         self.tuning = GainTuning(loop, manager, self._change_lock, self.inputs)
         self.parameter_server = ParameterServer(
-            parameters, self._change_lock, manager.is_loading, reserved
+            parameters, self._change_lock, manager.is_loading, fixed
         )
 
     @property
