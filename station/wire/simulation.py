@@ -1,11 +1,15 @@
 """Wire models of the simulation: time, scene and contacts."""
 
+import math
 from typing import Literal
 
-from pydantic import AliasChoices, Field
+from pydantic import AliasChoices, Field, field_validator
 
 from station.reports import CameraReport, Clearance
 from station.wire.base import Items, Measurements, RequestModel, ResponseModel
+
+_ROUNDING = 1e-3
+"""How far the length of a unit quaternion may be from 1: clients round its numbers."""
 
 
 class SimulationPatch(RequestModel):
@@ -91,6 +95,14 @@ class SceneObjectRequest(RequestModel):
     links: list[str] = Field(default_factory=list, max_length=16)
     colour: list[float] = Field(default_factory=list, max_length=3)
     file: str = ""
+
+    @field_validator("orientation")
+    @classmethod
+    def _is_a_rotation(cls, value: list[float] | None) -> list[float] | None:
+        # Written with `not`, so that NaN is refused, too.
+        if value is not None and not abs(math.hypot(*value) - 1.0) < _ROUNDING:
+            raise ValueError("must have length 1")
+        return value
 
 
 class SceneObject(ResponseModel):

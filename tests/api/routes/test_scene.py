@@ -53,6 +53,21 @@ def test_an_object_is_put_with_the_quaternion_that_another_one_has():
     assert second.orientation == pytest.approx(first.orientation, abs=1e-9)
 
 
+@pytest.mark.parametrize("turn", [[0.0] * 4, [9.0, 0.0, 0.0, 9.0]])
+def test_what_is_no_rotation_is_refused_and_adds_nothing(turn):
+    app = create_app(make_franka_station(), Authenticator(OPERATOR, VIEWER))
+    box = {"type": "box", "size": [0.1] * 3, "position": [0.9, 0.0, 0.4]}
+    headers = {"Authorization": f"Bearer {OPERATOR}"}
+    with httpx.Client(transport=AppTransport(app), headers=headers) as client:
+        answer = client.put(
+            f"{URL}/api/v1/scene/wall",
+            json={**box, "role": "keep_out", "orientation": turn},
+        )
+        assert answer.status_code == 422
+        assert "must have length 1" in answer.text
+        assert "wall" not in client.get(f"{URL}/api/v1/scene").text
+
+
 def test_an_arm_carries_a_cube_and_leaves_it_elsewhere(tmp_path):
     station = make_franka_station(objects=[{**CUBE, "position": [0.31, 0.0, 0.45]}])
     app = create_app(
