@@ -55,7 +55,6 @@ _DEEDS = (
     ("DELETE /control(?:/.*)?", "give back", "gave back", "control"),
 )
 _MARKS = (
-    ("PATCH /controllers/*/gains", "gains of {0}"),
     ("PATCH /gains", "gains"),
     ("POST /gain-sets/undo", "gains undone"),
     ("POST /gain-sets/*/apply", "gain set {0}"),

@@ -33,6 +33,7 @@ class UpdateTimes(DurationRing):
 
     Attributes:
         overruns: Updates that took longer than the period, since it was loaded.
+        overruns_before: Those of them before the statistics were started anew.
         last_overrun: Station time of the last of them [s].
         late_updates: Updates in a row that took longer than the budget.
         stalled_at: Station time of its last update that took very long [s]; minus

@@ -28,7 +28,8 @@ class CartesianCommands:
         arm: The arm.
         arm_id: Prefix of its names.
         limits: Its limits.
-        memory: Has the parts `pose` and `twist`, and the elbow of each.
+        memory: The commands of the arm, with the parts `pose`, `twist`, `pose_elbow`
+            and `twist_elbow`.
 
     Attributes:
         has_pose: Whether pose commands are taken.

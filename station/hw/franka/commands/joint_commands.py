@@ -34,7 +34,8 @@ from station.memory.doubles import Block, Doubles, put
 from station.memory.vectors import FiniteCheck
 
 _DOF = 7
-# In one memory, which is copied at once when the manager keeps all commands.
+# All in one memory: the manager writes the commands of the robot anew in every cycle,
+# with one call for each piece of memory.
 _SIZES = {
     "pose": 16,
     "twist": 6,

@@ -132,10 +132,13 @@ class CycleLog:
 
 
 class PacketLosses:
-    """Counts the cycles without a command while some of the last ones are among them.
+    """Counts the cycles of a motion in which no command arrived.
+
+    Nothing has to be counted until a first command is lost, nor when the last loss is
+    `_WINDOW` cycles ago: the share of commands that arrived is 1 then.
 
     Attributes:
-        in_a_row: How many cycles without a command there were just now.
+        in_a_row: Cycles without a command since the last command.
     """
 
     def __init__(self) -> None:
