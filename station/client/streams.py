@@ -447,6 +447,9 @@ class AsyncCommandStream:
             await self.link().send(message)
         except (OSError, WebSocketException) as error:
             _give_up(error, self.options.base_url)
+        # A link that takes all at once does not suspend `send`, and whoever sends in a
+        # tight loop would never read the reports, nor learn that the stream has ended.
+        await asyncio.sleep(0)
 
     def link(self) -> ClientConnection:
         """Return the connection; raise the errors of `send` when there is none.

@@ -1,11 +1,14 @@
 """The command stream for plain Python; `tests/api/streams` tries the answers."""
 
+import asyncio
+import json
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from station.api.streams import command_stream
-from station.client import ApiError, StationClient, StationUnreachableError
+from station.client import ApiError, StationClient, StationUnreachableError, streams
 from station.core.clock import SystemClock
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.spring import make_station
@@ -37,6 +40,33 @@ def test_set_points_are_sent_and_counted(client):
             stream.send([0.5])
 
     assert stream.counts.error is None
+
+
+def test_whoever_sends_in_a_tight_loop_still_reads_the_reports(monkeypatch):
+    counts = ("received", "applied", "superseded", "refused", "pending", "cycle")
+    report = json.dumps({**dict.fromkeys(counts, 3), "epoch": 1, "error": None})
+
+    async def take(*_):
+        """Take a message at once, as a link does whose buffers are empty."""
+
+    async def report_once():
+        connection.recv = asyncio.Future  # which never comes
+        return report
+
+    async def connect(*_, **__):
+        return connection
+
+    async def send_on():
+        options = streams.CommandOptions("http://nowhere", None, None, "spring")
+        stream = streams.AsyncCommandStream(options)
+        await stream.__aenter__()
+        for _ in range(3):
+            await stream.send([0.5])
+        return stream.counts
+
+    connection = SimpleNamespace(send=take, recv=report_once)
+    monkeypatch.setattr(streams, "connect", connect)
+    assert asyncio.run(send_on()).received == 3
 
 
 def _send_on(stream):
