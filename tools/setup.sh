@@ -47,6 +47,17 @@ ensure_pip() {
         "$venv_python" tools/fetch_pip.py
 }
 
+# Print a Python that has pip: the one .venv was made with, because a pip of its own takes
+# longer to install than all the packages; that of .venv where there is no other.
+find_pip() {
+    base=$("$venv_python" -c 'import sys; print(sys._base_executable)')
+    if "$base" -m pip --version >/dev/null 2>&1; then
+        echo "$base"
+    else
+        ensure_pip >&2 && echo "$venv_python"
+    fi
+}
+
 # Print the uv to work with: the machine's, that of the development tools, or the locked
 # one, which is put aside and deleted afterwards: the station does without its 39 MB.
 find_uv() {
@@ -58,10 +69,11 @@ find_uv() {
         echo .venv/bin/uv
         return
     fi
-    ensure_pip >&2 || return 1
+    pip_python=$(find_pip) || return 1
     awk '/^[^ #]/ { keep = /^uv==/ } keep' requirements-dev.lock >.venv/uv-requirement.txt
-    "$venv_python" -m pip install --quiet --require-hashes --only-binary :all: \
-        --target "$aside" -r .venv/uv-requirement.txt >&2 || return 1
+    PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_ROOT_USER_ACTION=ignore \
+        "$pip_python" -m pip install --quiet --require-hashes --only-binary :all: \
+        --no-deps --no-compile --target "$aside" -r .venv/uv-requirement.txt >&2 || return 1
     echo "$aside/bin/uv"
 }
 
