@@ -24,7 +24,7 @@ from station.core.ports.receipt import Receipt
 from station.core.ports.set_point import SetPoint, SetPointPort
 from station.core.trajectory import PosVelAccState
 from station.core.trajectory.trajectory_port import TrajectoryPort
-from station.reports import LoopState
+from station.reports import Clearance, LoopState
 
 _PICK_UP = 0.02
 """How long a running loop may take to pick a command up [s]."""
@@ -241,6 +241,7 @@ class MotionCommands:
         present = self._check_may_move(name, epoch)
         receipt = receipt or self.receipt()
         goal = port.submit(request, receipt)
+        goal.explain = self._watch_guards()
         self._inputs.note_command("goal", receipt, name=name, request=request)
         try:
             # Asked again: control may have changed hands, or a stop may have come,
@@ -251,6 +252,34 @@ class MotionCommands:
             goal.withdraw(f"It did not begin: {error.message}")
             raise
         return goal
+
+    def _watch_guards(self) -> Callable[[], str]:
+        """Return a function that says which arms a guard has slowed from now on."""
+        guards = tuple(self.loop.hw.guards())
+
+        def clearances() -> list[Clearance]:
+            found = (guard.report() for guard in guards)
+            return [one for one in found if one is not None]
+
+        before = {one.arm: one.interventions for one in clearances()}
+
+        def explain() -> str:
+            # A change of the scene sets the count to 0.
+            slowed = [
+                one
+                for one in clearances()
+                if one.interventions not in (0, before.get(one.arm))
+            ]
+            return " ".join(
+                f"The guard holds '{one.arm}' back: '{one.link}' is "
+                f"{1e3 * one.distance:.0f} mm from '{one.object}' and has to stay "
+                f"{1e3 * one.margin:.0f} mm away."
+                if one.is_slowing
+                else f"The guard has slowed '{one.arm}' on its way."
+                for one in slowed
+            )
+
+        return explain
 
     def goals(self, name: str) -> list[Goal]:
         """Return the latest goals of a controller, oldest first.

@@ -7,7 +7,7 @@ a pair of topics, and a refused goal is an exception.
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from station.core.errors import ControllerStateError, GoalNotFoundError
@@ -60,6 +60,8 @@ class Goal:
             None for nowhere.
         feedback: Returns the action's feedback message (JSON-compatible values), which
             is empty unless the controller replaces this function. Any thread.
+        explain: Returns a sentence that an abort's message ends with, or nothing.
+            Control thread.
     """
 
     def __init__(self, identifier: str, request: Mapping[str, object]) -> None:
@@ -73,6 +75,7 @@ class Goal:
         self.receipt: Receipt | None = None
         self.ended: Receipt | None = None
         self.feedback: Callable[[], Mapping[str, object]] = dict
+        self.explain: Callable[[], str] = str
 
     def is_final(self) -> bool:
         """Return whether the goal has ended."""
@@ -82,6 +85,8 @@ class Goal:
         """End the goal; a goal that has ended stays as it is."""
         if self.is_final():
             return
+        if status is GoalStatus.ABORTED and (reason := self.explain()):
+            result = replace(result, message=f"{result.message} {reason}".strip())
         self.result = result
         self.status = status
         if self.ended is not None and status is GoalStatus.PREEMPTED:
