@@ -43,9 +43,9 @@ def check(message, frame):
 def frames(arm, topic, query):
     station, server = arm
     with open_stream(server, topic, query=query) as stream:
-        hello = stream.recv(timeout=5.0)
+        hello = stream.recv(timeout=30.0)
         station.loop.step(30)
-        return hello, stream.recv(timeout=5.0)
+        return hello, stream.recv(timeout=30.0)
 
 
 def test_every_topic_is_described(arm):
@@ -58,10 +58,10 @@ def test_every_topic_is_described(arm):
 def test_the_frame_of_an_event_is_as_described(arm):
     _, server = arm
     with open_stream(server, "events") as stream:
-        hello = stream.recv(timeout=5.0)
+        hello = stream.recv(timeout=30.0)
         with StationClient(server.url, OPERATOR) as client:
             client.stop("now")
-        frame = stream.recv(timeout=5.0)
+        frame = stream.recv(timeout=30.0)
 
     check("hello", json.loads(hello))
     check("events_state", json.loads(frame))

@@ -37,7 +37,7 @@ def test_a_client_that_reads_learns_the_code(server, protocols):
 
 def while_open(stream):
     while True:
-        stream.recv(timeout=5.0)
+        stream.recv(timeout=30.0)
 
 
 def test_a_client_that_does_not_is_cut_off(server, protocols, monkeypatch):
@@ -76,4 +76,4 @@ def test_a_client_that_has_just_closed_does_not_disturb_the_end_of_the_server(
     with open_stream(server) as stream:
         stream.recv()
 
-    assert outcomes.get(timeout=5.0) is None
+    assert outcomes.get(timeout=30.0) is None

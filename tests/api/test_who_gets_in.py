@@ -219,7 +219,7 @@ def test_a_revoked_token_with_an_open_socket():
         httpx.Client(base_url=server.url, trust_env=False) as client,
         open_stream(server, "loop", bearer(secret)) as stream,
     ):
-        stream.recv(timeout=5.0)
+        stream.recv(timeout=30.0)
         headers = bearer(OPERATOR)
         client.delete("/api/v1/tokens/eve", headers=headers).raise_for_status()
         with pytest.raises(ConnectionClosed) as closed:

@@ -228,9 +228,9 @@ def test_close_ends_an_iteration_in_another_thread(client):
     first = threading.Event()
     reader = threading.Thread(target=read)
     reader.start()
-    assert first.wait(5.0)
+    assert first.wait(30.0)
     stream.close()
-    reader.join(5.0)
+    reader.join(30.0)
 
     assert not reader.is_alive()
     assert seen
@@ -252,7 +252,7 @@ def test_frame_that_fulfils_a_condition_is_waited_for(client, station):
     with client.stream("joint_states", rate="full") as stream:
         station.loop.step(3)
 
-        frame = stream.wait_for(lambda frame: frame.stamp > 0.0, 5.0)
+        frame = stream.wait_for(lambda frame: frame.stamp > 0.0, 30.0)
 
         assert frame.data["samples"]
 

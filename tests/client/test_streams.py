@@ -144,7 +144,7 @@ def test_an_interrupted_entry_leaves_no_link_open():
             await entered.wait()
             entering.cancel()
             await asyncio.wait([entering])
-            await asyncio.wait_for(gone.wait(), 5.0)
+            await asyncio.wait_for(gone.wait(), 30.0)
 
     asyncio.run(work())
 
@@ -153,7 +153,7 @@ def test_frame_that_fulfils_a_condition_is_waited_for(served, station):
     async def check(client):
         async with client.stream("joint_states", rate="full") as stream:
             station.loop.step(3)
-            return await stream.wait_for(lambda frame: frame.stamp > 0.0, 5.0)
+            return await stream.wait_for(lambda frame: frame.stamp > 0.0, 30.0)
 
     assert run_with(served, check).data["samples"]
 

@@ -55,7 +55,7 @@ class Bench:
 
     def __exit__(self, *exc):
         self._socket.close()
-        self._reader.join(5.0)
+        self._reader.join(30.0)
         asyncio.run(self.dashboard.stop())
         self.guarded.stop()
         self.station.__exit__(*exc)

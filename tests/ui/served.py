@@ -27,4 +27,4 @@ class Served:
 
     def __exit__(self, *_):
         self._server.should_exit = self._server.force_exit = True
-        self._thread.join(5.0)
+        self._thread.join(30.0)

@@ -55,7 +55,7 @@ class Serving:
 
     def __exit__(self, *_):
         self.server.should_exit = self.server.force_exit = True
-        self._thread.join(5.0)
+        self._thread.join(30.0)
 
     def wait_until_alone(self):
         """Wait until the server has a connection no more, after it had one."""
@@ -116,7 +116,7 @@ def test_a_request_that_arrives_drop_by_drop_is_given_up(beginning):
                 return True
             return False
 
-        assert wait_until(is_given_up, 5.0)
+        assert wait_until(is_given_up, 30.0)
 
 
 @pytest.mark.usefixtures("impatient")

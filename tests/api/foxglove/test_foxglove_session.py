@@ -115,7 +115,7 @@ def test_controllers_are_switched(client, station):
     service = until(client, "advertiseServices")["services"][0]
     assert service["name"] == "/switch_controllers"
     call(client, json.dumps({"stop": ["arm"]}).encode(), service["id"])
-    while not isinstance(answer := client.recv(timeout=5.0), bytes) or answer[0] != 3:
+    while not isinstance(answer := client.recv(timeout=30.0), bytes) or answer[0] != 3:
         pass
 
     assert json.loads(answer[13 + 4 :])["ok"] is True

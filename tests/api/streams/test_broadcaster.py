@@ -23,13 +23,13 @@ from tests.waiting import wait_until
 
 def close_code(stream):
     with stream, pytest.raises(ConnectionClosed) as caught:
-        stream.recv(timeout=5.0)
+        stream.recv(timeout=30.0)
     assert caught.value.rcvd.reason
     return caught.value.rcvd.code
 
 
 def read(stream):
-    return json.loads(stream.recv(timeout=5.0))
+    return json.loads(stream.recv(timeout=30.0))
 
 
 def test_hello_comes_first_with_a_snapshot_of_everything(server, station, live):
@@ -218,7 +218,7 @@ def code_at_the_end(stream):
 
 def read_to_the_end(stream):
     while True:
-        stream.recv(timeout=5.0)
+        stream.recv(timeout=30.0)
 
 
 def test_logging_out_ends_the_streams_of_that_session_alone(server):

@@ -249,7 +249,7 @@ def _die(station):
 
     station.loop.hw.read = fail
     station.loop.start()
-    station.loop._thread.join(5.0)
+    station.loop._thread.join(30.0)
 
 
 @pytest.mark.parametrize(

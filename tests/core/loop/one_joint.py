@@ -55,5 +55,5 @@ def run_thread(hw: OneJoint, loop: ControlLoop, cycles: int) -> None:
     """Run the thread of a loop for at least `cycles` cycles."""
     hw.cycles_wanted = cycles
     loop.start()
-    assert hw.cycles_done.wait(5.0)
+    assert hw.cycles_done.wait(30.0)
     loop.stop()

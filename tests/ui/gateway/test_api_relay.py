@@ -164,7 +164,7 @@ def test_a_stream_waits_for_the_station_and_has_its_frames_without_asking_again(
         with pytest.raises(TimeoutError):
             socket.recv(timeout=0.05)
         httpx.get(served[2] + "/find")
-        assert "hello" in socket.recv(timeout=5.0)
+        assert "hello" in socket.recv(timeout=30.0)
 
 
 def test_a_stream_that_waits_for_the_station_ends_with_its_session(served, page):
@@ -173,7 +173,7 @@ def test_a_stream_that_waits_for_the_station_ends_with_its_session(served, page)
         with _socket(served, "loop") as socket:
             httpx.get(served[2] + "/log_out")
             with pytest.raises(ConnectionClosed) as end:
-                socket.recv(timeout=5.0)
+                socket.recv(timeout=30.0)
     finally:
         httpx.get(served[2] + "/find")
         page.logged_out.clear()
@@ -182,12 +182,12 @@ def test_a_stream_that_waits_for_the_station_ends_with_its_session(served, page)
 
 def test_frames_of_a_stream_reach_the_browser(served):
     with _socket(served, "joint_states") as socket:
-        assert "hello" in socket.recv(timeout=5.0)
+        assert "hello" in socket.recv(timeout=30.0)
 
 
 def test_streams_off_the_list_are_closed_with_a_code(served):
     with _socket(served, "secrets") as socket, pytest.raises(ConnectionClosed) as end:
-        socket.recv(timeout=5.0)
+        socket.recv(timeout=30.0)
     assert end.value.rcvd.code == 4404
 
 

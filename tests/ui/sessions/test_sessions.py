@@ -71,7 +71,7 @@ def test_waiting_ends_when_the_session_is_closed_dropped_or_expired(monkeypatch)
         await asyncio.sleep(0)
         assert not waiting.done()
         end(session)
-        await asyncio.wait_for(waiting, 5.0)
+        await asyncio.wait_for(waiting, 30.0)
 
     asyncio.run(wait(lambda session: sessions.close(session.identifier)))
     asyncio.run(wait(lambda _: sessions.open(Role.VIEWER)))

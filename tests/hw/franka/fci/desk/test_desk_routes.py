@@ -157,7 +157,7 @@ def listen(url, path, cookie=None):
 
 def test_joints_are_told_and_buttons_are_not_pressed(url):
     with listen(url, "robot/configuration", "x") as socket:
-        assert json.loads(socket.recv(timeout=5.0)) == {"jointAngles": [0.1] * 7}
+        assert json.loads(socket.recv(timeout=30.0)) == {"jointAngles": [0.1] * 7}
     with listen(url, "navigation/events", "x") as socket, pytest.raises(TimeoutError):
         socket.recv(timeout=0.0)
     with pytest.raises(InvalidStatus, match="403"):

@@ -59,7 +59,7 @@ class Door:
     def close(self):
         """End the door, as a station that goes does."""
         self.station.shutdown(socket.SHUT_WR)
-        self._thread.join(5.0)
+        self._thread.join(30.0)
         assert not self._thread.is_alive()
         self._pipe.close()
         self.station.close()
