@@ -169,7 +169,7 @@ def close_code(server, path, headers):
     url = f"ws://{host}{path}"
     with connect(url, sock=plain, additional_headers=others, proxy=None) as stream:
         try:
-            stream.recv(timeout=1.0)
+            stream.recv(timeout=30.0)
         except ConnectionClosed as closed:
             return closed.rcvd.code
         except TimeoutError:
