@@ -1,7 +1,7 @@
 """Reports of a station on itself, described once for core, API and client.
 
 The core fills these dataclasses, the API sends them as they are, and the client reads
-them back. The module needs the standard library alone, so that the core stays free of
+them back. The module needs the standard library only, so that the core stays free of
 pydantic and the client free of NumPy; pydantic finds its settings and the descriptions
 of the JSON schema in `Report`.
 """
@@ -540,7 +540,7 @@ class PlotLayout(Report):
         name: Its name.
         saved_at: When it was saved, ISO 8601.
         plots: Its plots, from left to right.
-        docks: Folds and sizes of the docks; null in a layout of plots alone.
+        docks: Folds and sizes of the docks; null in a layout of plots only.
     """
 
     name: str

@@ -242,7 +242,8 @@ class Agents:
 
         Raises:
             AgentRequestNotFoundError: There is no such request.
-            AgentRequestDecidedError: It was decided before, or the agent waits no more.
+            AgentRequestDecidedError: It was decided before, or the agent has stopped
+                waiting.
         """
         asked = self._requests.get(number)
         if asked is None:

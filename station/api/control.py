@@ -55,9 +55,9 @@ class Lease:
     commanded: set[str] = field(default_factory=set)
 
     def yields_to(self, access: Access) -> bool:
-        """Return whether an agent holds control, and the caller is a person.
+        """Return whether an agent holds control and the caller is a person.
 
-        An agent's lease is never stronger than a person: it ends where one acts.
+        A person always has priority: an agent's lease ends when a person commands.
         """
         return self.access.role is Role.AGENT and access.role is Role.OPERATOR
 

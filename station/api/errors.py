@@ -377,7 +377,7 @@ def _allowed(request: Request) -> dict[str, str]:
     """Return the Allow header of a path, with the methods of all its routes.
 
     The framework knows the methods of the first route that matches the path. A path
-    without parameters, as `/controllers/switch`, has its own methods alone, not those
+    without parameters, as `/controllers/switch`, has its own methods only, not those
     of the controller that might have that name.
     """
     paths: dict[str, set[str]] = request.app.methods_by_path()

@@ -1,6 +1,6 @@
 """Tokens of people and programs: named, revocable, and valid for a time.
 
-Disk and memory have the SHA-256 of each token alone. A token is 256 random bits, so its
+Disk and memory have the SHA-256 of each token only. A token is 256 random bits, so its
 hash can be neither guessed nor turned back, and needs no salt.
 """
 
@@ -87,7 +87,7 @@ class NamedTokens:
     """The named tokens of a station. For one event loop.
 
     Args:
-        path: File of the tokens, readable by the station's user alone; None keeps them
+        path: File of the tokens, readable by the station's user only; None keeps them
             until the station ends.
         now: Wall time [s since 1970].
 

@@ -2,7 +2,7 @@
 
 The server of the API listens there, too, so that Host and Origin, tokens, the lease and
 the limits of connections are judged by the same code. Without a token a client on this
-machine is a viewer: such tools ask for an address alone.
+machine is a viewer: such tools ask for an address only.
 """
 
 import asyncio

@@ -177,7 +177,7 @@ def protocols_of(
 ) -> Sequence[RobotProtocol]:
     """Return the versions that the client of an arm may speak, the arm's own one last.
 
-    The own one is the newest that an arm of this kind has. A real arm speaks one alone.
+    The own one is the newest that an arm of this kind has. A real arm speaks one only.
 
     Args:
         parameters: The arm.

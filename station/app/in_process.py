@@ -51,7 +51,7 @@ _BATCH = 1000
 class InProcessStation:
     """A station without server and dashboard; `station.open` makes one.
 
-    Stepped, station time passes in `step`, `run`, `move_to` and `collect` alone, as
+    Stepped, station time passes in `step`, `run`, `move_to` and `collect` only, as
     fast as the processor can, and every run is the same, bit for bit: timeouts and
     watchdogs of controllers follow a virtual clock. Threaded, the control thread runs
     at its rate on the wall clock, and these methods wait.

@@ -30,7 +30,7 @@ class Journal:
     """Opens the event log of a station, follows the station, and closes the log.
 
     A station whose state directory cannot be used runs all the same, with its events in
-    memory alone, and says so.
+    memory only, and says so.
 
     Args:
         station: The station.

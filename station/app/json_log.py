@@ -37,7 +37,7 @@ def set_up_log(form: str) -> None:
     """Let the process log to stderr.
 
     Args:
-        form: `text` for people has warnings alone; `json` for programs also has the
+        form: `text` for people has warnings only; `json` for programs also has the
             requests that changed something or were refused.
     """
     handler = logging.StreamHandler()

@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 class ExtensionsBuild:
     """Builds the extensions when none fit and this machine has a compiler.
 
-    The process that builds runs in idle time alone, so that the control loop has the
+    The process that builds runs in idle time only, so that the control loop has the
     processor before it, and outlives the station, so that a short run is enough.
 
     Args:

@@ -50,7 +50,7 @@ class SessionsFile:
         self._station = station
 
     def load(self) -> list[KeptSession]:
-        """Return the sessions that were kept last; none of another station's."""
+        """Return the sessions that this station saved last; empty if none are its."""
         record = read_private(runtime_directory() / self._name, _Record)
         if record is None or record.station != self._station:
             return []

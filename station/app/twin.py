@@ -68,7 +68,7 @@ class Likeness:
 
     @classmethod
     def of(cls, config: StationConfig, station: Station) -> "Likeness":
-        """Return the likeness of a station.
+        """Describe a station's real arm so that a simulated arm can stand for it.
 
         Args:
             config: Its configuration.

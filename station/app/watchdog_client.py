@@ -1,4 +1,4 @@
-"""Ask a watchdog for a stop, with the standard library alone: it must not fail."""
+"""Ask a watchdog for a stop, with the standard library only: it must not fail."""
 
 import json
 from dataclasses import dataclass

@@ -102,7 +102,7 @@ def load_config(
 
     Args:
         path: The station's YAML file, or the content of one; None takes the
-            defaults alone.
+            defaults only.
         controller_files: Parameter files written for ROS, added to `controllers`.
         flags: The values set on the command line by dotted key, such as `api.port`.
 

@@ -169,7 +169,7 @@ class ApiSection(_Section):
         host: Address to listen at.
         port: TCP port; 0 for any free one.
         token: The operator's token; None has a random one made.
-        tls: Certificate and key, with which it serves https and wss alone.
+        tls: Certificate and key, with which it serves https and wss only.
         allowed_origins: Origins of web pages elsewhere that may use it.
     """
 
@@ -315,7 +315,7 @@ class AgentsSection(_Section):
 
     Attributes:
         approval: `always`: a person allows each change; `never`: no person is asked,
-            which is possible in a simulation alone that is paused and stepped.
+            which is possible only in a simulation that is paused and stepped.
         wait: How long a request waits for a person [s].
         envelope: Bounds of their motions.
     """

@@ -136,16 +136,17 @@ def _is_type(value: object) -> bool:
 
 
 def translate(params: Values, place: str) -> Values:
-    """Return the parameters of a controller under the station's type and names.
+    """Translate a ROS 2 controller's parameters into those of the station's controller.
 
-    A type that the station has under the same name, or that it does not have, stays.
+    A type without a translation stays as it is: either the station has the same type
+    under the same name, or it does not know the type at all.
 
     Args:
         params: The parameters, `type` among them.
         place: Name of the file, for messages.
 
     Raises:
-        ConfigError: The commanded interfaces fit no controller of the station.
+        ConfigError: No controller of the station commands these interfaces.
     """
     change = _TRANSLATIONS.get(str(params["type"]))
     return dict(params) if change is None else change(dict(params), place)

@@ -31,7 +31,7 @@ def user_folder(name: str) -> Path:
 
 
 def make_private_folder(folder: Path) -> None:
-    """Make a folder and those above it, as far as they are missing, for the user alone.
+    """Make a folder and those above it, as far as they are missing, for the user only.
 
     The control station's own folder is closed to others even if it was open before; a
     folder that the user made elsewhere stays as open as it is.
@@ -94,7 +94,7 @@ def read_regular(path: Path, most: int) -> str:
 
 
 def try_lock(descriptor: int) -> bool:
-    """Lock an open file for its descriptor alone; return whether that was possible.
+    """Lock an open file for its descriptor only; return whether that was possible.
 
     A file system without locks has nothing that another station could take.
     """

@@ -22,7 +22,7 @@ MAX_ALARMS = 200
 
 
 class AlarmNotFoundError(StationError, KeyError):
-    """There is no alarm of that number, or no more."""
+    """There is no alarm of that number any longer, or there never was one."""
 
     code = "alarm_not_found"
 
@@ -122,7 +122,7 @@ class Alarms:
             origin: Person that has seen it.
 
         Raises:
-            AlarmNotFoundError: There is no such alarm, or no more.
+            AlarmNotFoundError: There is no such alarm, or no longer.
         """
         with self._lock:
             alarm = self._alarms.get(number)

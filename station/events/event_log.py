@@ -42,7 +42,7 @@ class EventLogState:
         pending: Events that are not on disk yet.
         lost: Events that this run has not been able to keep on disk.
         failure: Why events are not written at the moment; None while they are.
-        path: The file; None when events are kept in memory alone.
+        path: The file; None when events are kept in memory only.
     """
 
     newest_id: int
@@ -59,7 +59,7 @@ class EventLog:
     for the control thread, which must not take locks at all.
 
     Args:
-        path: The file; None keeps the newest events in memory alone, without a thread.
+        path: The file; None keeps the newest events in memory only, without a thread.
         boot_id: Random name of this run.
         station_time: Returns station time [s] and the number of the last cycle.
         now: Wall time [s since 1970].
@@ -160,7 +160,7 @@ class EventLog:
         """Call `callback` with every event from now on, in order.
 
         It is called in the thread that records, so it must return at once and must not
-        record; one that raises is called no more.
+        record; one that raises is not called again.
 
         Returns:
             A function that ends the calls.
@@ -204,7 +204,7 @@ class EventLog:
         """Return events after a number, oldest first.
 
         Reads the disk when the memory does not go back so far. An event that could not
-        be written is found in memory alone.
+        be written is found in memory only.
 
         Args:
             after: Number of the last event that the reader has; 0 for none.

@@ -58,7 +58,8 @@ class Search:
         seed: Seed of CMA-ES, >= 0.
         spread: First standard deviation of the logarithms of the gains, > 0.
         farthest: Largest factor by which a gain may change either way, > 1.
-        patience: Ends after so many generations without a better trial, >= 1.
+        patience: Number of generations without a better trial after which the search
+            ends, >= 1.
 
     Raises:
         ExperimentError: There are too few trials.
@@ -118,7 +119,7 @@ def tune(
 ) -> Tuned:
     """Search for the gains with the lowest cost.
 
-    The generations follow from the seed and the results alone. So a search that was
+    The generations follow from the seed and the results only. So a search that was
     killed goes on where it was, and finds the same on any number of workers.
 
     Args:

@@ -114,7 +114,7 @@ def be_polite(niceness: int) -> None:
 
 
 def begin_worker(niceness: int) -> None:
-    """Prepare a process of its own: it has a niceness, and ends with its parent.
+    """Prepare a worker process: set its niceness, and let it end with its parent.
 
     Args:
         niceness: The niceness to have, 0 to 19.

@@ -85,7 +85,7 @@ def is_alive(pid: int, started: str) -> bool:
 
 
 def write_private(name: str, record: _Record) -> Path:
-    """Write a file of the runtime directory; readable by its user alone.
+    """Write a file of the runtime directory; readable by its user only.
 
     Args:
         name: Name of the file.

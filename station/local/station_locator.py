@@ -26,7 +26,7 @@ class RunningStation:
     Attributes:
         url: The API.
         token: The operator's token.
-        viewer_token: Token for watching alone.
+        viewer_token: Token for watching only.
         ui_url: The dashboard; empty when there is none.
         boot_id: Changes with every start.
         pid: Its process.

@@ -52,7 +52,7 @@ def own(values: Iterable[float]) -> Any:  # noqa: ANN401 - a `Storage` of two ki
 
 
 def own_zeros(size: int) -> Storage:
-    """Return memory with `size` zeros for one compiled object alone.
+    """Return memory with `size` zeros for one compiled object only.
 
     Interpreted it is a list, whose elements Python reads in half the time.
     """
@@ -60,7 +60,7 @@ def own_zeros(size: int) -> Storage:
 
 
 def own_block(parts: Sequence[str], size: int) -> dict[str, Storage]:
-    """Return memory for one compiled object alone, named parts of `size` zeros each.
+    """Return memory for one compiled object only, named parts of `size` zeros each.
 
     The parts lie side by side, or are lists; see `own_zeros`.
     """
@@ -76,7 +76,7 @@ def indices(values: Iterable[int]) -> Indices:
 
 
 def put(view: Storage, values: Iterable[float]) -> None:
-    """Copy values into a view, or into memory for one compiled object alone.
+    """Copy values into a view, or into memory for one compiled object only.
 
     Args:
         view: Receives the values, shape (n,).

@@ -77,7 +77,7 @@ class CycleSource(ABC, Generic[SampleT]):
         return self._tap.newest_cycle()
 
     def close(self) -> None:
-        """Sample no more."""
+        """Stop sampling."""
         self._tap.close()
 
     @property

@@ -50,8 +50,8 @@ class Choice:
         """Return whether a column is wanted.
 
         Args:
-            column: Its whole name.
-            element: Owner of the number; None for the only one of its field.
+            column: Full name of the column.
+            element: Joint whose value the column has; None for a field with one value.
         """
         if self.joints and element not in self.joints:
             return False

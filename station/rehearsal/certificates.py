@@ -152,7 +152,7 @@ class Tube(CycleTap[None]):
         controller: The controller that is commanded; empty for none.
 
     Attributes:
-        is_over: Whether it looks no more.
+        is_over: Whether it has stopped looking.
     """
 
     def __init__(

@@ -23,7 +23,7 @@ Pair = tuple[str, str, float, float]
 
 
 class PoseJudge:
-    """Finds pairs that are too near in a pose; in a copy of the station alone.
+    """Finds pairs that are too near in a pose; in a copy of the station only.
 
     Judges are MuJoCo for solid bodies, the guards for roles, and the model of each
     Franka for its own parts.

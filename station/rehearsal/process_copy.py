@@ -4,7 +4,7 @@ The copy (`fork`) has all memory as it was, so a station in it goes on from the 
 cycle with the same robot, controllers and commands, bit for bit. Nothing that it does
 reaches the original: shared memory becomes its own, and it has no socket or file.
 
-A copy has the calling thread alone. A lock that another thread held at that moment
+A copy has the calling thread only. A lock that another thread held at that moment
 stays locked in it, so a copy that makes no progress is ended and another one is made.
 """
 

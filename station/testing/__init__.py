@@ -1,4 +1,4 @@
-"""A kit with which authors test their own robots, controllers and arms.
+"""Tests that authors run against their own robots, controllers and arms.
 
 ```python
 from station.testing import RobotConformance

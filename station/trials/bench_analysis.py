@@ -84,7 +84,7 @@ def joint_test(
     """Return everything that a test says of its joint.
 
     Args:
-        trace: The motion of this joint alone, one cycle at least.
+        trace: The motion of this joint only, one cycle at least.
         excitation: Excitation of the joint.
         script: The same as a script, with the duration and the settling band.
         gains: Gains in force meanwhile; none where they are not known.

@@ -7,7 +7,7 @@
 - `friction`, `friction/JOINT`: Coulomb friction of all joints, or of one, 0 to 1000
   [Nm or N];
 - `damping`, `damping/JOINT`: viscous damping likewise, 0 to 1000 [Nm s/rad or N s/m];
-- `delay`: the robot receives the commands of joints so many cycles late, 0 to 100;
+- `delay`: how many cycles late the robot receives the commands of joints, 0 to 100;
 - `noise/position`, `noise/velocity`: standard deviation of the noise of measured
   positions, 0 to 1 [rad or m], and velocities, 0 to 10 [rad/s or m/s].
 """
@@ -87,7 +87,7 @@ def sort_out(parameters: Mapping[str, float]) -> Overrides:
 def check(name: str, value: float) -> None:
     """Refuse a parameter that there is not, or a value that is not allowed.
 
-    Names and ranges of gains and joints are known to the station alone, which checks
+    Names and ranges of gains and joints are known to the station only, which checks
     them when the trial begins.
 
     Raises:

@@ -335,7 +335,7 @@ class Results:
         return list(self._rows("", ()))
 
     def rows_after(self, number: int, count: int) -> list[Row]:
-        """Return the trials after a number, at most so many, in the order of ending."""
+        """Return trials after a given number, in the order in which they ended."""
         where = "WHERE number > ?"
         return list(islice(self._rows(where, (number,)), count))
 

@@ -43,7 +43,7 @@ class Trace:
     output: Array
 
     def of_joint(self, joint: str) -> Self:
-        """Return the trace of one of the joints alone."""
+        """Return the trace of one of the joints only."""
         chosen = slice(self.joints.index(joint), self.joints.index(joint) + 1)
         names = ("position", "velocity", "effort", "desired", "error", "output")
         columns = {name: getattr(self, name)[:, chosen] for name in names}

@@ -270,7 +270,7 @@ class TrialResult:
         state: `done`, or `failed` when the robot or the controller gave up or the
             trial was refused; the metrics are then those of the time before.
         reason: Why it failed; None when it is done.
-        metrics: By name, finite numbers alone; a metric that the script has no use for
+        metrics: By name, finite numbers only; a metric that the script has no use for
             is left out.
         seconds: Wall time of the trial [s].
         worker: Host and process that ran the trial.

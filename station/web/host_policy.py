@@ -1,8 +1,9 @@
-"""Addresses and web pages that may talk to a server of the station.
+"""Decide which addresses and web pages may talk to a server of the station.
 
-A web page elsewhere must not drive a robot on this machine: neither by a request of
-its own (the Origin tells) nor under a name that its DNS server points here (the Host
-tells). A numeric Host is safe: no DNS server had a say in it.
+A foreign web page must not drive a robot on this machine. Its own requests carry its
+Origin. A page can also give its own domain name the address of this machine (DNS
+rebinding); its requests then carry that name as their Host. A numeric Host is safe,
+because it was not looked up by DNS.
 """
 
 import re

@@ -237,7 +237,7 @@ class BenchRequest(RequestModel):
             step, above 0 and below 1.
         relay_gain: Proportional gain of the joint during a relay test, > 0, with
             integral and derivative gain 0, so that the oscillation is that of the joint
-            alone; afterwards the gains are the old ones. None leaves them in force.
+            only; afterwards the gains are the old ones. None leaves them in force.
         name: Name under which the station keeps the response; it makes one when None.
 
     Example:

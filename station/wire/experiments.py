@@ -59,7 +59,7 @@ class ExperimentRequest(RequestModel):
         gains: Endings of the names of the gains that a search changes.
         weights: Weight of each metric that a search makes small, above 0; the metrics
             count relative to those of the first trial.
-        bounds: Constraints of a search; null for no more effort than at first, neither
+        bounds: Constraints of a search; null for at most the effort at first, neither
             peak nor RMS, and no violation of a limit.
         is_live: Whether the trials have the gains that are in force now instead of
             those of the configuration.

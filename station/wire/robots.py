@@ -299,7 +299,7 @@ class ForceTorqueCollisionBehavior(RequestModel):
 
 
 class FullCollisionBehavior(ForceTorqueCollisionBehavior):
-    """The same, with thresholds of their own while the desired motion accelerates.
+    """Thresholds of `set_collision_behavior`, with others while the motion accelerates.
 
     Attributes:
         lower_torque_thresholds_acceleration: Torques of a contact [Nm], >= 0,

@@ -75,7 +75,7 @@ class SceneObjectRequest(RequestModel):
         orientation: Unit quaternion x, y, z, w, in place of `rpy`.
         role: Role for the robots; a new object has keep_out or fence.
         margin: Distance that arms keep from it [m].
-        links: Links for which the role counts, `hand` for the hand alone; empty for
+        links: Links for which the role counts, `hand` for the hand only; empty for
             all.
         colour: Red, green and blue, 0 to 255; empty for the one of its role.
         file: STL or OBJ file of a mesh, on the station's machine.

@@ -49,7 +49,7 @@ class Kernel(ResponseModel):
 
     Attributes:
         mode: Compiled modules, or their Python sources interpreted.
-        reason: Reason, and the way to change it.
+        reason: Reason, and how to change it.
     """
 
     mode: Literal["compiled", "interpreted"]
@@ -94,7 +94,7 @@ class Status(ResponseModel):
         operator: Name of the holder of control; null without one.
         recording: The recording that runs, or the last one since the start of the
             station, which says whether it failed; null without one.
-        recorder_failure: Why the station records no more, or could not keep an
+        recorder_failure: Why the station has stopped recording, or could not keep an
             incident; empty while all is well.
     """
 

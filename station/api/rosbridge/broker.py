@@ -94,10 +94,10 @@ class Answer(NamedTuple):
     """An answer of a client to a request or a goal.
 
     Attributes:
-        op: Its operation.
-        values: The message, or a text that says why there is none.
+        op: The rosbridge operation of the answer.
+        values: The result, or the text of an error.
         status: State of the goal, as ROS 2 numbers it.
-        result: Whether it is a message.
+        result: Whether `values` is a result; otherwise it is an error.
     """
 
     op: str

@@ -1,4 +1,4 @@
-"""Messages on their way to one client, whose connection may take none for a while."""
+"""Queue the messages to one client, which may read slowly or not at all."""
 
 import asyncio
 from collections import deque

@@ -71,7 +71,7 @@ class Rosapi:
             )
 
     def _is_clients(self, client: ToolClient, request: Values) -> bool:
-        """Return whether a parameter belongs to clients alone.
+        """Return whether a parameter belongs to clients only.
 
         Those of the station are for operators. A viewer's are of the kind in which
         pages and scripts leave each other values.

@@ -274,7 +274,7 @@ class StationTopics:
 
     @staticmethod
     def _split(urdf: Urdf) -> tuple[Urdf, Urdf]:
-        """Return a robot with its fixed joints alone, and one with all others."""
+        """Return a robot with only its fixed joints, and one with all others."""
         joints = urdf.joints.items()
         fixed = {n: one for n, one in joints if one.type is JointType.FIXED}
         moving = {n: one for n, one in joints if n not in fixed}

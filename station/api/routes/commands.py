@@ -65,7 +65,7 @@ def put_command(
 def get_controller_state(name: str, station: StationDep) -> ControllerSample:
     """Return desired, actual, error and output of the last cycle, and messages.
 
-    Sensor controllers have messages alone.
+    Sensor controllers have messages only.
 
     Raises:
         ProblemError: The controller has not run yet.

@@ -1,4 +1,4 @@
-"""Hardware components: their states, and the way from one to another."""
+"""Hardware components: their states, and transitions between them."""
 
 from station.api.dependencies import Operator, StationDep
 from station.api.routes.routing import problems, routes_of

@@ -377,7 +377,7 @@ def _executor(options: Namespace, setup: "Setup") -> "Iterator[Executor]":
 
 @contextmanager
 def _watching() -> "Iterator[Watcher]":
-    """Show a bar with the time that is left, on a terminal alone."""
+    """Show a bar with the time that is left, on a terminal only."""
     from rich.console import Console
     from rich.progress import (
         BarColumn,

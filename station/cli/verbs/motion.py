@@ -173,7 +173,7 @@ def _target(options: Namespace) -> "Target | Pose":
 
 
 def stop(options: Namespace) -> int:
-    """Stop the robot; with names of loaded controllers, these alone.
+    """Stop the robot; with names of loaded controllers, these only.
 
     A word that is no controller may be a mistake or a cry for help. The robot stops,
     because that is the safe interpretation. A station that does not answer, or whose

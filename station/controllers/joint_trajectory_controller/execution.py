@@ -210,7 +210,7 @@ class JointTracking:
         return is_over
 
     def compare_states(self) -> None:
-        """Compute the errors alone."""
+        """Compute the errors only."""
         self._position.compare()
         self._velocity.compare()
 

@@ -1,4 +1,4 @@
-"""Controllers whose updates run in a process, with a Python interpreter, of their own.
+"""Update controllers in separate processes, each with its own Python interpreter.
 
 A thread of Python that computes keeps the interpreter from the control thread. In
 another process it does not: the thread of an asynchronous update only sends the states

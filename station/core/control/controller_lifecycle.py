@@ -335,7 +335,7 @@ class ControllerLifecycle:
         )
 
     def _end_chained_mode(self, one: LoadedController, time: float) -> None:
-        """Let the references of a controller rest that is no more commanded."""
+        """Let the references of a controller rest that nobody commands any longer."""
         target = one.controller
         if not isinstance(target, ChainableController) or not target.is_in_chained_mode:
             return

@@ -96,7 +96,7 @@ def _of_package(name: str) -> list[str]:
     """Return the imported modules whose change matters to `name`.
 
     They are those of its package; of the station's own, which share a package with
-    everything else, the module alone.
+    everything else, the module only.
     """
     package = _package(name)
     if package == _package(__name__):

@@ -456,7 +456,7 @@ class ControllerManager:
         return self.lifecycle.components.users(name, self.running())
 
     def set_hardware_component_state(self, name: str, state: ComponentState) -> None:
-        """Bring a hardware component into a state, by the hooks on the way.
+        """Bring a hardware component into a state; call the hooks that lead there.
 
         Args:
             name: The component.

@@ -67,7 +67,7 @@ class _LiveComponent:
         return resource in one.robot.get_interface_resources(hardware_interface)
 
     def steps(self, target: ComponentState) -> list[tuple[str, ComponentState]]:
-        """Return the hooks on the way to another state, each with the state after it.
+        """Return the hooks that lead to another state, each with the state after it.
 
         Raises:
             HardwareComponentError: It is finalized.

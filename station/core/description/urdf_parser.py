@@ -48,7 +48,7 @@ def read_joint_limit(joint: Element) -> JointLimit | None:
     """Return the numbers of a joint's `<limit>` element.
 
     `effort` and `velocity` are required there; `lower` and `upper` are 0 if absent, and
-    count for revolute and prismatic joints alone.
+    count for revolute and prismatic joints only.
 
     Args:
         joint: The `<joint>` element of a URDF.

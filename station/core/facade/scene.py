@@ -88,7 +88,7 @@ class StationScene:
         return next((one for one in self.clearances() if one.arm == arm_id), None)
 
     def nearest_at(self, positions: Mapping[str, float]) -> list[Clearance]:
-        """Return the nearest pair of each arm in a pose; for copies of a station alone.
+        """Return the nearest pair of each arm in a pose; for copies of a station only.
 
         Args:
             positions: Joint name to position [rad]; others stay where they are.
@@ -374,7 +374,7 @@ class StationScene:
 
         Args:
             changed: Objects that are new, or take the place of those of their names.
-            removed: Names of objects that there are no more.
+            removed: Names of objects that have been removed.
             placed: Names of bodies of the simulated world that move to their pose.
 
         Raises:

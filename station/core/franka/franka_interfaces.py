@@ -26,7 +26,7 @@ class FrankaStateHandle(ResourceHandle):
         name: `<arm_id>_robot`.
         state: The arm's live state.
         refresh: Brings the derived fields of `state` up to date; cheap if they are.
-        pose: Writes `O_T_EE` alone, without a refresh; None if nothing does.
+        pose: Writes `O_T_EE` only, without a refresh; None if nothing does.
     """
 
     def __init__(

@@ -123,7 +123,7 @@ class Clearances:
         self.horizon = 0.0
 
     def allow(self, solid: int, capsules: Sequence[bool]) -> None:
-        """Let a solid count for some capsules alone.
+        """Let a solid count for some capsules only.
 
         Args:
             solid: Number of the solid.

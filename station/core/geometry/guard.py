@@ -184,7 +184,7 @@ class Guard:
         self.arms.append(arm)
 
     def allow(self, solid: int, links: Sequence[str]) -> None:
-        """Let a solid count for some links alone.
+        """Let a solid count for some links only.
 
         Args:
             solid: Number of the solid.

@@ -69,7 +69,7 @@ class SceneGuard(ABC):
 
     @abstractmethod
     def nearest_at(self, positions: Mapping[str, float]) -> Clearance | None:
-        """Return the nearest pair in another pose; for copies of a station alone.
+        """Return the nearest pair in another pose; for copies of a station only.
 
         Args:
             positions: Joint name to position [rad]; others stay where they are.
@@ -171,7 +171,7 @@ class SimulatedWorld(ABC):
 
         It takes positions of the joints [rad or m] and returns names of two bodies and
         their distance [m], negative inside of each other, for each pair below the
-        margin. For copies of a station alone: the world stays in that pose.
+        margin. For copies of a station only: the world stays in that pose.
 
         Args:
             joints: Names of joints; the others stay where they are.
@@ -361,7 +361,7 @@ class RobotHW(InterfaceManager):
         """Let the hardware take commands: from inactive to active."""
 
     def on_deactivate(self, component: str) -> None:
-        """Let the hardware take no more commands: from active to inactive."""
+        """Let the hardware refuse further commands: from active to inactive."""
 
     def on_shutdown(self, component: str) -> None:
         """Let the hardware go for good: from any state to finalized."""

@@ -152,7 +152,7 @@ class ControlLoop:
         update_budget: How long an update of one controller may take in the thread
             [s wall time], > 0; `period` when None, infinite for no budget.
         snapshots: Ring that receives a snapshot in every cycle.
-        heartbeat: The page shared with a watchdog; one of this process alone when None.
+        heartbeat: The page shared with a watchdog; one of this process only when None.
 
     Attributes:
         control_cycle: Runs the cycles, and operations between them.

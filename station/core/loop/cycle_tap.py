@@ -65,7 +65,7 @@ class CycleTap(Generic[SampleT]):
             self._cycles.taps = (*self._cycles.taps, self)
 
     def close(self) -> None:
-        """Sample no more."""
+        """Stop sampling."""
         with _changes:
             taps = self._cycles.taps
             self._cycles.taps = tuple(one for one in taps if one is not self)

@@ -23,7 +23,7 @@ class Operation:
     Attributes:
         result: Result of `action`.
         error: Error of `action`, or why it will never run; None if neither.
-        abandoned: Its caller waits no more: it will not be run.
+        abandoned: Whether its caller has stopped waiting; then it will not be run.
         done: Released once `result` or `error` is there.
     """
 

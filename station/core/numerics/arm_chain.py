@@ -1,7 +1,7 @@
 """Poses and Jacobians of arms, and the equation between twists and joint motions.
 
 Most functions are for an arm whose links form a chain of revolute joints. Of a tree of
-other joints the poses alone are computed; `JointChain` is the way through one.
+other joints only the poses are computed; `JointChain` is the way through one.
 
 A chain of n joints is given by 4 (n + 1) numbers, a [m], d [m], cos alpha and sin alpha
 of each joint and of the flange, after Craig's convention of Denavit and Hartenberg: the

@@ -40,7 +40,7 @@ _ERRONEOUS = (RobotMode.REFLEX, RobotMode.USER_STOPPED, RobotMode.OTHER)
 
 
 class FrankaCombinableHW(FrankaHW):
-    """Type `franka_hw/FrankaCombinableHW`: an arm that takes torques alone.
+    """Type `franka_hw/FrankaCombinableHW`: an arm that takes torques only.
 
     Interfaces: JointState, EffortJoint, FrankaState, FrankaModel, FrankaServices.
     """

@@ -59,7 +59,7 @@ class Motion:
 
     Attributes:
         controller: The controller.
-        generator: The motion generator; None for torques alone.
+        generator: The motion generator; None for torques only.
         stream: The commands.
     """
 

@@ -174,7 +174,7 @@ def twists(twist: Ways) -> Motion:
 
 
 def torques(torque: Ways = lambda _n: [0.0] * 7) -> Motion:
-    """Return a motion of torques alone, shape (7,) [Nm]."""
+    """Return a motion of torques only, shape (7,) [Nm]."""
     external = MoveController.EXTERNAL_CONTROLLER
     return Motion(external, None, lambda n, _state: {"tau_J_d": list(torque(n))})
 

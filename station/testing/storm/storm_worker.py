@@ -370,7 +370,11 @@ class StormWorker:
         }
 
     def run(self, operations: int) -> None:
-        """Carry out so many operations."""
+        """Carry out random operations, fewer when the worker is told to end.
+
+        Args:
+            operations: How many.
+        """
         names = list(self._menu)
         weights = [weight for weight, _ in self._menu.values()]
         for _ in range(operations):

@@ -1,7 +1,7 @@
 """The views of browser sessions: layers, ghosts and cameras of their own.
 
 Viser knows browsers, the gateway knows sessions: the relay hands Viser the key of the
-session, so that a session's choice is drawn in its own browsers alone.
+session, so that a session's choice is drawn in its own browsers only.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -204,13 +204,13 @@ class SceneViews:
             look(drawn.client, preset, self._robots, positions, covered)
 
     def opened(self, key: str, covered: float) -> None:
-        """Fit the robots beside the part of the picture that a page has just hidden.
+        """Fit the robots into the part of the 3D view that a page leaves visible.
 
-        A browser whose camera has been moved stays as it is.
+        Browsers in which somebody has moved the camera keep their view.
 
         Args:
             key: Key of the session.
-            covered: Part of the picture that the page hides, see `camera.look`.
+            covered: Part of the 3D view that the page hides, see `camera.look`.
         """
         _keep(self._covered, key, covered)
         for drawn in self._of(key):

@@ -42,7 +42,7 @@ class SessionAccess:
             or None, whenever it becomes another.
         now: Monotonic clock [s].
         follows: Whether `move_to` is called at every start of the station. If not, a
-            station that was started anew is known by its refusals alone.
+            station that was started anew is known by its refusals only.
         ca: File of the certificates to trust with https; None for those of the station
             on this machine, or of the system.
 
@@ -254,7 +254,7 @@ class SessionAccess:
 
 
 class SessionPusher:
-    """Pushes arms and moves objects for sessions, in Viser's event loop alone.
+    """Pushes arms and moves objects for sessions, in Viser's event loop only.
 
     Args:
         access: The credentials of the sessions.

@@ -61,7 +61,7 @@ class FindSession(Protocol):
 
 
 class SessionRoutes:
-    """Makes routes that answer logged-in sessions alone.
+    """Makes routes that answer logged-in sessions only.
 
     Args:
         find: Returns the session of a connection.

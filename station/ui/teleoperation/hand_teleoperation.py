@@ -69,7 +69,7 @@ class HeldButtons:
         self._held.clear()
 
     def let_go(self) -> None:
-        """Treat all buttons as released, and send no more for them."""
+        """Treat all buttons as released, and send nothing further for them."""
         self._held.clear()
         self._moving = False
 
@@ -247,7 +247,7 @@ class HandTeleoperation:
         self._buttons.release()
 
     def let_go(self) -> None:
-        """Forget every motion, and send no more for it."""
+        """Forget every motion, and send nothing further."""
         self._buttons.let_go()
         self._pose.let_go()
 
@@ -331,7 +331,7 @@ class HandsTeleoperation:
             hand.release()
 
     def let_go(self) -> None:
-        """Forget every motion, and send no more for it."""
+        """Forget every motion, and send nothing further."""
         for hand in self._hands.values():
             hand.let_go()
 

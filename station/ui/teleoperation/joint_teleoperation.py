@@ -208,7 +208,7 @@ class JointTeleoperation:
         self._halt([n for n, one in self._motions.items() if one.held_at is not None])
 
     def let_go(self) -> None:
-        """Forget every motion, and send no more for it."""
+        """Forget every motion, and send nothing further."""
         # The last set-points are not known until a sample has them.
         self._forget(set(self._last) | set(self._motions))
 

@@ -458,7 +458,7 @@ def bases_of_hands(arms: Sequence[str], bases: Sequence[str]) -> dict[str, str]:
         bases: Scene nodes of their bases; fewer where a robot could not be drawn.
 
     Returns:
-        One entry under an empty name where there are not several arms.
+        Scene node by arm; for a single arm one entry whose name is empty.
     """
     if len(arms) < 2:
         return {"": bases[0] if bases else ""}

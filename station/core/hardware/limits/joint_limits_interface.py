@@ -66,7 +66,7 @@ class JointLimitsInterface(ResourceManager[L]):
         self.activate(self.get_names())
 
     def activate(self, names: Collection[str]) -> None:
-        """Enforce the limits of these joints alone, until a handle is registered.
+        """Enforce the limits of these joints only, until a handle is registered.
 
         At first the limits of all joints are enforced. Control thread.
 

@@ -112,11 +112,12 @@ def find_conflicts(
 ) -> list[ResourceConflict]:
     """Return the reasons why some controllers cannot share an arm.
 
-    Only the first failing test is reported, so that one mistake has one message.
+    The tests run in order, and only the first failure is reported: one mistake gives
+    one message.
 
     Args:
         controllers: All controllers that would be running.
-        arm_id: The arm; controllers of other arms are tested for double claims alone.
+        arm_id: Name of the arm. Claims of other arms are only tested for doubles.
 
     Returns:
         One entry per conflict; empty when they can run together.

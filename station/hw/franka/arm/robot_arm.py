@@ -127,7 +127,7 @@ class RobotArm(ABC):
         Args:
             controller_mode: Controller that makes the torques.
             motion_generator_mode: Kind of the commanded motion; NONE only with the
-                external controller, for torques alone.
+                external controller, for torques only.
 
         Raises:
             SingularStartError: The motion is Cartesian and the pose is singular.
@@ -242,7 +242,7 @@ class RobotArm(ABC):
         """
 
     def pose_source(self, model: FrankaModel) -> ModelSource | None:  # noqa: ARG002
-        """Return a source of `O_T_EE` alone, without a refresh; None if there is none.
+        """Return a source of `O_T_EE` only, without a refresh; None if there is none.
 
         Args:
             model: A model of this arm, whose results are used where they can be.

@@ -3,7 +3,7 @@
 Source: franka_ros@c11f000 franka_gazebo/src/franka_hw_sim.cpp, FrankaHWSim.initSim,
 writeSim; differs: the fingers take position commands besides efforts, unclaimed fingers
 hold their position instead of going limp, and the joint states contain the joints of
-the arm alone, as on the real robot, where the hand is another device.
+the arm only, as on the real robot, where the hand is another device.
 """
 
 from collections.abc import Iterable, Sequence

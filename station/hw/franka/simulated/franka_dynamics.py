@@ -47,7 +47,7 @@ class FrankaDynamics:
 
     Args:
         description: The URDF of a Franka arm; None for links without a mass, that is
-            for the load alone.
+            for the load only.
 
     Attributes:
         links: Poses of the links 1 to 7 and the flange at the positions of the last

@@ -193,11 +193,13 @@ class FrictionAndObserver(Preparation):
         return self.factorise_jacobian()
 
     def factorise_jacobian(self) -> bool:
-        """Find out for which wrenches the Jacobian is good.
+        """Factorise the Jacobian, and find out whether some directions are weak.
+
+        The torques determine a wrench poorly in a weak direction: the arm is close to
+        a singularity there.
 
         Returns:
-            Whether the weak directions are to be found: there is a wrench, and at least
-            one direction is weak. Until then there are none.
+            Whether the caller has to compute the weak directions.
         """
         equation, jacobian = self.equation, self.jacobian
         singular, reliable = self.singular, self.reliable

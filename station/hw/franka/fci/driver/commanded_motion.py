@@ -242,7 +242,7 @@ class CommandedMotion:
         }
 
     def end(self) -> None:
-        """Take no more commands."""
+        """Refuse all further commands."""
         self._controller, self._generator = None, MotionGeneratorMode.NONE
         self._needed = 0
 
@@ -255,7 +255,7 @@ class CommandedMotion:
         self._log.note(self._reader.message, self._writer.message)
 
     def is_shown(self) -> bool:
-        """Return whether the newest state has this motion."""
+        """Return whether the robot's newest state reports that this motion runs."""
         reader = self._reader
         return reader.robot_mode is RobotMode.MOVE and reader.modes == self._modes
 

@@ -203,6 +203,6 @@ class RealHand(GripperServices):
         return state
 
     def _note_width(self, state: Mapping[str, Any]) -> None:
-        """Show where the fingers are; the thread of the link writes them alone."""
+        """Show where the fingers are; the thread of the link writes them only."""
         q = self._fingers["q"]
         q[0] = q[1] = state["width"] / 2.0

@@ -199,7 +199,7 @@ class FciServer:
         self._serve_gripper()
 
     def _tell_errors(self) -> None:
-        """Write the reasons of a new reflex to the log: clients get names alone."""
+        """Write the reasons of a new reflex to the log: clients get names only."""
         before, self._mode = self._mode, self._arm.state.robot_mode
         if self._mode is RobotMode.REFLEX and before is not RobotMode.REFLEX:
             causes = "; ".join(error.description for error in self._arm.errors())
