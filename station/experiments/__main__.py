@@ -11,6 +11,7 @@ import signal
 import sys
 import threading
 import time
+import traceback
 from typing import IO
 
 from station.core.errors import StationError
@@ -116,6 +117,9 @@ def main() -> int:
             state = "cancelled"
         except StationError as error:
             state, reason = "failed", f"{error.message} {error.remedy}".strip()
+        except Exception as error:  # noqa: BLE001 - the boundary: logged and told
+            traceback.print_exc()
+            state, reason = "failed", _blame(error)
         tell(told, end={"state": state, "reason": reason})
     return 0
 
@@ -124,6 +128,15 @@ def tell(told: IO[str], **facts: object) -> None:
     """Write one line of JSON."""
     told.write(f"{json.dumps(facts)}\n")
     told.flush()
+
+
+def _blame(error: Exception) -> str:
+    """Return a sentence that names an unexpected error, and where it was raised."""
+    raised = traceback.extract_tb(error.__traceback__)[-1]
+    return (
+        f"{type(error).__name__} in {raised.filename}, line {raised.lineno}: {error}. "
+        "The station's log has the traceback."
+    )
 
 
 def _plain(error: StationError) -> dict[str, object]:

@@ -37,6 +37,7 @@ class ExperimentProcess:
     def __init__(self, command: Sequence[str], order: Mapping[str, object]) -> None:
         in_read, in_write = os.pipe()
         out_read, out_write = os.pipe()
+        self._is_killed = False
         self._orders = os.fdopen(in_write, "w", encoding="utf-8")
         self._told = os.fdopen(out_read, encoding="utf-8")
         try:
@@ -111,6 +112,7 @@ class ExperimentProcess:
         try:
             self._process.wait(_END_TIMEOUT)
         except subprocess.TimeoutExpired:
+            self._is_killed = True
             self._process.kill()
             self._process.wait(_END_TIMEOUT)
 
@@ -121,6 +123,8 @@ class ExperimentProcess:
         """
         self.end()
         code = self._process.returncode
+        if self._is_killed:
+            return "it said no more but did not end, so the station killed it."
         if code < 0:
             return f"it was killed by {signal.Signals(-code).name}."
         return f"exit code {code}."

@@ -1,6 +1,7 @@
 """What the trials of an experiment say together, and where their results go."""
 
 import csv
+import sys
 
 import pytest
 
@@ -11,6 +12,7 @@ from station.experiments.pools import InThisProcess
 from station.experiments.trial_world import default_script, small_motions
 from station.trials.analysis import goal_as_plan, ranked
 from station.trials.errors import ExperimentError
+from station.trials.experiment_process import ExperimentProcess
 from station.trials.goal import Goal
 from station.trials.results import Results
 from station.trials.trial import TrialResult
@@ -94,3 +96,32 @@ def test_default_script_moves_every_joint_away_from_its_limits(world):
     assert small_motions(world, "velocity_group_controller", (1.0,), (1.0,)) == ()
     with pytest.raises(ExperimentError, match="commands no positions"):
         default_script(world, "effort_group_effort_controller")
+
+
+BROKEN = """
+import station.experiments.__main__ as process
+
+def carry_out(*_):
+    raise TypeError("a matrix has no name")
+
+process.carry_out = carry_out
+process.main()
+"""
+
+
+def test_an_error_that_nobody_expected_is_told_by_its_name(
+    panda, tmp_path, monkeypatch, capfd
+):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    request = {"kind": "sweep", "controller": GROUP, "name": "some", "trials": 2}
+    request["ranges"] = ["load=0:1"]
+    order = {"request": request, "setup": panda.text, "gains": {}}
+    process = ExperimentProcess([sys.executable, "-c", BROKEN], order)
+    (last,) = process.lines()
+    process.end()
+
+    assert last["end"]["state"] == "failed"
+    assert (
+        "TypeError in <string>, line 5: a matrix has no name" in last["end"]["reason"]
+    )
+    assert "Traceback" in capfd.readouterr().err

@@ -1,10 +1,10 @@
 """A process that plays the part of an experiment, as its first argument says.
 
 `quick` begins, tells progress and ends; `refuse` refuses; `die` is killed after it has
-begun; `wait` ends when it is interrupted; `silent` ends without a word. With two more
-arguments the file of the experiment, the first, becomes a copy of the second. Without
-them the file has the setup of the order; to write that the station is imported, which
-takes longer than all the rest.
+begun; `linger` closes its output and lives on; `wait` ends when it is interrupted;
+`silent` ends without a word. With two more arguments the file of the experiment, the
+first, becomes a copy of the second. Without them the file has the setup of the order;
+to write that the station is imported, which takes longer than all the rest.
 """
 
 import json
@@ -46,6 +46,9 @@ def main(what, file=None, empty=None):
     tell(progress=told)
     if what == "die":
         os.kill(os.getpid(), signal.SIGKILL)
+    if what == "linger":
+        os.close(1)
+        signal.pause()
     if what == "wait":
         try:
             signal.pause()

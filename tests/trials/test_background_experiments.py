@@ -109,6 +109,16 @@ def test_a_killed_process_is_told_with_its_signal(make):
     until_it_ends(background)
 
 
+def test_a_process_that_the_station_kills_is_not_said_to_be_killed_by_others(make):
+    background = make("linger")
+
+    background.start(REQUEST, {})
+
+    last = until_it_ends(background)[-1]
+    assert last.state == "failed"
+    assert "did not end, so the station killed it" in last.reason
+
+
 def test_a_process_that_never_begins_is_told_with_its_exit_code(make):
     with pytest.raises(ExperimentError, match=r"before it began: exit code 7\."):
         make("silent").start(REQUEST, {})
