@@ -4,6 +4,7 @@ A lease is no protection against an operator who means harm: every operator may 
 by force. It keeps two people from moving the same robot without knowing of each other.
 """
 
+import asyncio
 import hmac
 import secrets
 import threading
@@ -282,6 +283,20 @@ class Control:
                 text = f"{lease.owner} offers control to {heir}."
                 self._record(text, "offered", lease.owner, origin)
             return self._lease
+
+    async def keep(self, access: Access, key: str | None) -> None:
+        """Send heartbeats for a caller until cancelled, or until control is lost.
+
+        Args:
+            access: Rights of the caller.
+            key: The lease that the request names; None without one.
+        """
+        while (lease := self.present()) and lease.is_held_by(access, key):
+            with self._lock:
+                if self._lease is lease:
+                    deadline = self._now() + lease.ttl
+                    self._lease = replace(lease, deadline=deadline)
+            await asyncio.sleep(lease.ttl / 3.0)
 
     def release(self, access: Access, key: str | None, origin: Origin) -> None:
         """Give control back; motions go on.

@@ -1,5 +1,6 @@
 """Dependencies of routes: the station, its arms, and the role of the caller."""
 
+import asyncio
 import time
 from collections.abc import Awaitable, Callable, Mapping
 from functools import wraps
@@ -142,13 +143,14 @@ async def operator(
         ControlHeldError: Another client holds control.
         ControlNotHeldError: The caller is an agent without a lease.
         RehearsalNeededError: The caller is an agent whose motion has no certificate.
+        CertificateNotFoundError: The certificate of an agent's motion is used up.
+        CertificateVoidError: The certificate of an agent's motion is void.
     """
     services.control.check(access, request.headers.get(LEASE_HEADER))
-    is_rehearsed = request.scope["route"].name in REHEARSED
-    has_certificate = "certificate" in request.query_params
-    if role is Role.AGENT and is_rehearsed and not has_certificate:
+    if role is Role.AGENT and request.scope["route"].name in REHEARSED:
         # Nobody is asked for what would be refused afterwards.
-        services.rehearsals.check(is_agent=True)
+        certificate = request.query_params.get("certificate")
+        await run_in_threadpool(services.rehearsals.check_agent, certificate)
     return role
 
 
@@ -156,13 +158,19 @@ Leave = Callable[[], Awaitable[None]]
 
 
 async def leave(request: Request, access: AccessDep, services: ServicesDep) -> Leave:
-    """Return a dependency that waits for a person's leave to an agent."""
+    """Return a dependency that waits until a person allows an agent's request."""
+    key = request.headers.get(LEASE_HEADER)
 
     async def wait() -> None:
         if access.role is Role.AGENT:
-            await services.agents.admit(request, access, origin_of(request))
-            # Control may have been lost meanwhile.
-            services.control.check(access, request.headers.get(LEASE_HEADER))
+            # An agent that waits for a person's answer sends no heartbeat.
+            keeping = asyncio.create_task(services.control.keep(access, key))
+            try:
+                await services.agents.admit(request, access, origin_of(request))
+            finally:
+                keeping.cancel()
+            # A person may have taken control meanwhile.
+            services.control.check(access, key)
 
     return wait
 

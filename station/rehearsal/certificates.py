@@ -300,13 +300,7 @@ class Certificates:
                 has changed; nothing moves.
             LoopError: The loop died or hangs.
         """
-        issued = self._issued.get(name)
-        if issued is None or self._station.loop.clock.now() > issued.deadline:
-            raise CertificateNotFoundError(
-                f"There is no certificate '{name}', or it was used or has expired.",
-                remedy="Rehearse the command, and give it within "
-                f"{VALID_FOR:g} s with the certificate of the answer.",
-            )
+        issued = self._find(name)
         with issued.lock:
             self._check(issued, command)
             receipt, is_last = self._station.motion.receipt(), len(issued.commands) == 1
@@ -342,6 +336,34 @@ class Certificates:
                     "given": command_text(command),
                 },
             )
+        self._check_conditions(issued)
+
+    def check(self, name: str) -> None:
+        """Refuse a certificate that no command can be given with now.
+
+        Args:
+            name: The certificate.
+
+        Raises:
+            CertificateNotFoundError: There is no such certificate, or no longer.
+            CertificateVoidError: Something that matters has changed.
+            LoopError: The loop died or hangs.
+        """
+        issued = self._find(name)
+        with issued.lock:
+            self._check_conditions(issued)
+
+    def _find(self, name: str) -> _Issued:
+        issued = self._issued.get(name)
+        if issued is None or self._station.loop.clock.now() > issued.deadline:
+            raise CertificateNotFoundError(
+                f"There is no certificate '{name}', or it was used or has expired.",
+                remedy="Rehearse the command, and give it within "
+                f"{VALID_FOR:g} s with the certificate of the answer.",
+            )
+        return issued
+
+    def _check_conditions(self, issued: _Issued) -> None:
         now = Conditions.of(self._station)
         why = issued.conditions.changed(now, self._station.inputs.last_change)
         why = why or issued.conditions.moved(now, self._tolerances.pose)

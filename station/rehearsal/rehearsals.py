@@ -426,6 +426,23 @@ class Rehearsals:
             finally:
                 _redeemed.reset(before)
 
+    def check_agent(self, certificate: str | None) -> None:
+        """Refuse a motion of an agent that a person's leave could not save.
+
+        Args:
+            certificate: Name of its certificate; None without one.
+
+        Raises:
+            RehearsalNeededError: The policy requires a rehearsal, and there was none.
+            CertificateNotFoundError: There is no such certificate, or no longer.
+            CertificateVoidError: Something that matters has changed.
+            LoopError: The loop died or hangs.
+        """
+        if certificate is None:
+            self.check(is_agent=True)
+        else:
+            self._certificates.check(certificate)
+
     def check(self, *, is_agent: bool) -> None:
         """Refuse a motion that has to be rehearsed and has no certificate.
 

@@ -1,6 +1,7 @@
 """Agents ask and people answer, over the API of a station with one joint."""
 
 import asyncio
+import time
 
 import httpx
 import pytest
@@ -139,6 +140,38 @@ def test_a_change_waits_for_a_person_under_the_agents_lease(run):
         assert (await asked).status_code == 200
         assert world.k() == 3.0
         assert world.results() == ["asked", "allowed"]
+
+    run(story)
+
+
+def test_an_agent_keeps_control_while_a_person_thinks(run):
+    async def story(world, agent):
+        taken = await agent.post("/api/v1/control", json={"ttl": 0.5})
+        assert taken.status_code == 200, taken.text
+        end = world.services.control.present().deadline
+        asked = asyncio.create_task(agent.patch(GAINS, json=STIFFER))
+        while time.monotonic() <= end:
+            await asyncio.sleep(0.01)
+        await world.answer("allowed")
+
+        assert (await asked).status_code == 200
+        assert world.k() == 3.0
+
+    run(story)
+
+
+def test_a_person_takes_control_from_an_agent_that_waits(run):
+    async def story(world, agent):
+        await take(agent)
+        asked = asyncio.create_task(agent.patch(GAINS, json=STIFFER))
+        while not world.services.agents.requests():
+            await asyncio.sleep(0)
+        taken = await world.person.post("/api/v1/control", json={"owner": "Ada"})
+        assert taken.status_code == 200, taken.text
+        await world.answer("allowed")
+
+        assert (await asked).json()["code"] == "control_held"
+        assert world.k() == 2.0
 
     run(story)
 

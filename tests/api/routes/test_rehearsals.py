@@ -8,6 +8,7 @@ from tests.api.conftest import VIEWER
 from tests.two_joint_station import JOINTS, TRAJECTORY, make_station
 
 GOAL = {"trajectory": TRAJECTORY}
+GOALS = "/api/v1/controllers/arm/goals"
 STEP = {"kind": "goal", "name": "arm", "request": GOAL}
 
 
@@ -69,6 +70,29 @@ def test_certificate_of_another_state_is_refused(arm, station):
     assert (void.value.status, void.value.code) == (412, "certificate_void")
 
 
+def test_nobody_is_asked_about_an_agents_used_or_void_certificate(
+    app, arm, station, operator
+):
+    def refusal(certificate):
+        """Return the code with which an agent's goal is refused."""
+        token = {"Authorization": f"Bearer {agent}"}
+        operator.post("/api/v1/control", json={}, headers=token)
+        query = {"certificate": certificate}
+        body = {"goal": GOAL}
+        return operator.post(GOALS, json=body, params=query, headers=token).json()[
+            "code"
+        ]
+
+    agent = arm.tokens.create("tuner", "agent").token
+    used, void = (arm.rehearse([STEP], certificate=True).certificate for _ in "ab")
+    arm.submit_goal("arm", GOAL, certificate=used.name)
+    station.loop.step(200)
+
+    assert refusal(used.name) == "certificate_not_found"
+    assert refusal(void.name) == "certificate_void"
+    assert app.state.services.agents.requests() == []
+
+
 def test_policy_asks_for_a_rehearsal_or_advises_one(app, arm, operator):
     rehearsals = app.state.services.rehearsals
     rehearsals.adopt(Rules(operator=Policy.REQUIRED))
@@ -78,8 +102,7 @@ def test_policy_asks_for_a_rehearsal_or_advises_one(app, arm, operator):
     name = arm.rehearse([STEP], certificate=True).certificate.name
     arm.submit_goal("arm", GOAL, certificate=name)
     rehearsals.adopt(Rules(operator=Policy.ADVISE))
-    path = "/api/v1/controllers/arm/goals"
-    answer = operator.post(path, json={"goal": GOAL})
+    answer = operator.post(GOALS, json={"goal": GOAL})
     assert (answer.status_code, answer.headers["X-Rehearsal"]) == (201, "advised")
 
 
