@@ -20,6 +20,7 @@ from station.hw.link_guard import LinkGuard
 from station.hw.mujoco.joint_command_modes import JointCommandModes
 from station.hw.mujoco.world_joints import WorldJoints
 from station.memory.doubles import doubles, put, zeros
+from station.reports import Clearance
 
 _Matrix = NDArray[np.float64]
 # A drive brakes with 0.24 of its largest force over the inertia at the joint, see
@@ -95,6 +96,15 @@ class RobotGuard(LinkGuard):
     @override
     def positions(self) -> Mapping[str, float]:
         return dict(zip(self._names, self._data.qpos[self._qpos].tolist(), strict=True))
+
+    @override
+    def report(self) -> Clearance | None:
+        # The capsules are fitted when the first object with a role comes.
+        return super().report() if self._is_made else None
+
+    @override
+    def nearest_at(self, positions: Mapping[str, float]) -> Clearance | None:
+        return super().nearest_at(positions) if self._is_made else None
 
     @override
     def watch(self, *, is_active: bool) -> None:

@@ -102,6 +102,13 @@ def bench():
     return Bench()
 
 
+def test_a_robot_without_roles_is_near_nothing():
+    (guard,) = Bench().hw.guards()
+
+    assert guard.report() is None
+    assert guard.nearest_at({"elbow_joint": 1.0}) is None
+
+
 @pytest.mark.parametrize("kind", ["position", "velocity"])
 def test_a_motion_into_the_ball_ends_at_its_margin(bench, kind):
     way = [1.0, 0.1, -0.1, 0.2, 0.0, 0.0]
