@@ -1,12 +1,18 @@
 """A station for a robot of which only the URDF is known."""
 
+import re
+
+import httpx
 import pytest
 
+from station.api.app import create_app
+from station.api.auth import Authenticator
 from station.app.any_robot import configure_robot, examine_robot
 from station.app.composition import compose
 from station.config import load_config
 from station.core import SwitchRequest
 from station.core.errors import RobotDescriptionError
+from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
 
 
 def test_arm_gets_trajectories_that_reach_a_goal() -> None:
@@ -24,6 +30,27 @@ def test_arm_gets_trajectories_that_reach_a_goal() -> None:
     assert goal.status.value == "succeeded"
     # What the robot's transmissions pass on to its motors is nobody's intrusion.
     assert station.manager.command_violations == (0, None)
+
+
+def test_every_read_of_the_api_is_answered_for_a_robot_of_a_urdf() -> None:
+    config = configure_robot("example-robot-data:ur3")
+    station = compose(load_config(config)).station
+    station.loop.step(5)
+    app = create_app(station, Authenticator(OPERATOR, VIEWER))
+    paths = [
+        path for path, methods in app.openapi()["paths"].items() if "get" in methods
+    ]
+    answers = {}
+    with httpx.Client(transport=AppTransport(app), base_url=URL) as http:
+        http.headers["Authorization"] = f"Bearer {OPERATOR}"
+        for path in paths:
+            known = re.sub("{[^}]*}", "joint_trajectory_controller", path)
+            answers[path] = http.get(known).status_code
+    # Its loop is stepped: it is not ready for others, and no stream is read like this.
+    failed = {path: status for path, status in answers.items() if status >= 500}
+
+    assert failed == {"/api/v1/ready": 503}
+    assert len(paths) > 60
 
 
 def test_mobile_robot_gets_controllers_for_its_wheels() -> None:
