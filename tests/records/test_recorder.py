@@ -201,7 +201,8 @@ def test_a_disk_that_is_full_at_any_byte_is_told_and_the_loop_goes_on(tmp_path):
     names = count()
 
     @settings(max_examples=40, derandomize=True, database=None, deadline=None)
-    @given(room=st.integers(0, whole.last.size - 100))
+    # Durations of the loop, which differ, take more or less room when compressed.
+    @given(room=st.integers(0, whole.last.size - 4000))
     @example(room=0)
     @example(room=8)  # after the magic
     def check(room):
