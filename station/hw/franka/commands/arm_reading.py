@@ -66,7 +66,8 @@ class ArmReading:
         # The usual cycle: one state, without the arithmetic of a late one.
         if self.nominal == 1 and 0.5 < share < 1.5:
             self.time_due -= self.cycle_time
-            self.read_once()
+            read_once = self.read_once
+            read_once()
         else:
             count = self.catch_up()
         if self.sender.is_waiting:
@@ -75,8 +76,9 @@ class ArmReading:
         if self.bad >= 0:
             # A controller that used such a reading would command garbage.
             self.arm.stop_motion()
-        if self.read_fingers is not None:
-            self.read_fingers()
+        read_fingers = self.read_fingers
+        if read_fingers is not None:
+            read_fingers()
 
     def catch_up(self) -> int:
         """Read the arm once for each cycle that is due; return how many there are.

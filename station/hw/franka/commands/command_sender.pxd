@@ -24,9 +24,8 @@ cdef class CommandSender:
     cdef bint has_positions, has_velocities, has_efforts, has_pose, has_twist
     cdef public object refusal
     cdef readonly Guard guard
-    cpdef write(self, double time, double period)
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
-    cpdef send_commands(self, double period)
+    cpdef write(self, double time, double period)
     cpdef send_all(self, bint is_new)
     cpdef send_positions(self)
     cpdef send_velocities(self)

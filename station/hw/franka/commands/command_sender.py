@@ -152,26 +152,19 @@ class CommandSender:
         return self.has_pose
 
     def write(self, time: float, period: float) -> None:
-        """Send the commands of arm and fingers; see `send_commands`.
+        """Send the controllers' commands: those of the arm while a motion runs.
+
+        They are limited and filtered first. The motion ends when a command is not
+        finite.
 
         Args:
             time: Station time of the cycle [s].
             period: Time since the last cycle [s], >= 0.
         """
+        hand, guard = self.hand, self.guard
         # Most of the time there is nothing to do for the fingers.
-        if self.hand is not None and (self.claimed or self.hand.is_moving):
+        if hand is not None and (self.claimed or hand.is_moving):
             self.write_fingers()
-        self.send_commands(period)
-
-    def send_commands(self, period: float) -> None:
-        """Limit, filter and send the controllers' commands, while a motion runs.
-
-        The motion ends when a command is not finite.
-
-        Args:
-            period: Time since the last cycle [s], >= 0.
-        """
-        guard = self.guard
         if self.code[0] != _MOVE:
             if guard is not None:
                 guard.look()

@@ -80,7 +80,7 @@ def test_a_command_is_limited_and_sent_once_per_cycle(bench):
     velocities = bench.commands.velocities
     put(velocities, [0.002] * 7)
     bench.halve(velocities)
-    bench.sender.send_commands(PERIOD)
+    bench.sender.write(0.0, PERIOD)
 
     assert bench.done == ["limit 0.001"]
     assert bench.arm.sent == [[0.001] * 7]
@@ -90,7 +90,7 @@ def test_no_time_has_no_limits(bench):
     velocities = bench.commands.velocities
     put(velocities, [0.002] * 7)
     bench.halve(velocities)
-    bench.sender.send_commands(0.0)
+    bench.sender.write(0.0, 0.0)
 
     assert bench.done == []
     assert bench.arm.sent == [[0.002] * 7]
@@ -102,7 +102,7 @@ def test_goals_are_noted_before_the_limits():
     positions = bench.commands.positions
     asked = [*positions]
     bench.halve(positions)
-    bench.sender.send_commands(PERIOD)
+    bench.sender.write(0.0, PERIOD)
 
     assert [*bench.rates.goals] == asked
     assert [*positions] == [value / 2.0 for value in asked]
@@ -114,19 +114,19 @@ def test_torques_are_sent_before_the_pose_that_goes_with_them():
     pose = [*bench.arm.state.O_T_EE_d]
     bench.handles["franka_hw::FrankaPoseCartesianInterface"].set_command(pose)
     put(bench.commands.efforts, [0.001] * 7)
-    bench.sender.send_commands(PERIOD)
+    bench.sender.write(0.0, PERIOD)
 
     assert bench.arm.sent == [[0.001] * 7, pose]
 
 
 def test_a_command_that_is_not_finite_ends_the_motion_unsent(bench):
     bench.commands.velocities[3] = nan
-    bench.sender.send_commands(PERIOD)
+    bench.sender.write(0.0, PERIOD)
 
     assert bench.arm.sent == []
     assert bench.arm.state.robot_mode is RobotMode.IDLE
     assert bench.sender.refusal == "a command is not finite"
-    bench.sender.send_commands(PERIOD)
+    bench.sender.write(0.0, PERIOD)
     assert bench.arm.sent == []
 
 
@@ -135,7 +135,7 @@ def test_a_refused_elbow_ends_the_motion_with_the_reason():
     bench = Bench(mode, generator)
     handle = bench.handles["franka_hw::FrankaPoseCartesianInterface"]
     handle.set_command([*bench.arm.state.O_T_EE_d], [0.1, 0.5])
-    bench.sender.send_commands(PERIOD)
+    bench.sender.write(0.0, PERIOD)
 
     assert bench.arm.state.robot_mode is RobotMode.IDLE
     assert bench.sender.refusal == "An elbow of [0.1, 0.5] is not possible"
@@ -144,7 +144,7 @@ def test_a_refused_elbow_ends_the_motion_with_the_reason():
 @pytest.mark.parametrize(("rate_limiting", "count"), [(True, 2), (False, 1)])
 def test_the_same_command_is_sent_again_only_with_rate_limits(rate_limiting, count):
     bench = Bench(*VELOCITIES, rate_limiting=rate_limiting)
-    bench.sender.send_commands(PERIOD)
+    bench.sender.write(0.0, PERIOD)
     bench.sender.resend_commands()
 
     assert len(bench.arm.sent) == count
