@@ -39,7 +39,31 @@ class JsonRequest(Request):
         return body
 
 
-class JsonRoute(APIRoute):
+class QueryRoute(APIRoute):
+    """A route that refuses parameters that its query does not have."""
+
+    @override
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        handle = super().get_route_handler()
+        known = _query_of(self.dependant)
+        # A misspelt certificate must not be given, nor a misspelt filter taken.
+        if not _depends_on_access(self.dependant):
+            return handle
+        if not known and self.methods == {"GET"}:
+            return handle
+
+        async def handle_query(request: Request) -> Response:
+            unknown = request.query_params.keys() - known
+            authenticator = services_of(request).authenticator
+            # A stranger is not told which parameters there are.
+            if unknown and authenticator.access_of_headers(request.headers):
+                raise _unknown_query(sorted(unknown), known)
+            return await handle(request)
+
+        return handle_query
+
+
+class JsonRoute(QueryRoute):
     """A route that gets `JsonRequest`s, and refuses bodies that are not JSON.
 
     The framework reads a body before it asks who sent it. Where a token is needed, the
@@ -55,17 +79,11 @@ class JsonRoute(APIRoute):
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         handle = super().get_route_handler()
         needs_access = _depends_on_access(self.dependant)
-        known = _query_of(self.dependant)
-        # A misspelt certificate must not be given, nor a misspelt filter taken.
-        is_strict = needs_access and (bool(known) or self.methods != {"GET"})
 
         async def handle_json(request: Request) -> Response:
             authenticator = services_of(request).authenticator
             if needs_access and not authenticator.access_of_headers(request.headers):
                 return await handle(JsonRequest(request.scope, _no_body))
-            unknown = request.query_params.keys() - known
-            if is_strict and unknown:
-                raise _unknown_query(sorted(unknown), known)
             asked = JsonRequest(request.scope, request.receive)
             if not _is_json(asked) and await asked.body():
                 raise ProblemError(

@@ -87,6 +87,7 @@ def test_a_body_of_too_many_values_is_refused_before_it_is_judged(
         ("POST", "controllers/switch?dry_run=true", "certificate"),
         ("POST", "gain-sets/undo?count=2", "none"),
         ("GET", "events?after=3", "kind, limit"),
+        ("POST", "recordings/upload?nam=tuesday", "name"),
     ],
 )
 def test_an_unknown_parameter_of_a_query_is_refused(

@@ -11,6 +11,7 @@ from starlette.responses import FileResponse, StreamingResponse
 from station import wire
 from station.api.audit import origin_of
 from station.api.dependencies import ServicesDep, StationDep, Viewer
+from station.api.json_route import QueryRoute
 from station.api.routes.routing import change, problems, routes_of
 from station.core.errors import RecordingRefusedError
 from station.records.record_store import RECORDING, RecordingInfo, RecordStore
@@ -118,7 +119,9 @@ _TABLE: dict[int | str, dict[str, Any]] = {
     }
 }
 router = routes_of("recordings")
-uploads = APIRouter(tags=["recordings"], dependencies=[Viewer])
+uploads = APIRouter(
+    tags=["recordings"], dependencies=[Viewer], route_class=QueryRoute
+)
 """Of a body that is no JSON: it is a file, read as it comes."""
 
 
