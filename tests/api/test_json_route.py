@@ -106,3 +106,46 @@ def test_an_unknown_parameter_of_a_query_is_refused(
 
 def test_a_stranger_is_not_told_what_a_query_may_have(http):
     problem_of(http.get("/api/v1/events?after=3"), 401, "unauthorized")
+
+
+@pytest.mark.usefixtures("spring")
+@pytest.mark.parametrize(
+    ("body", "key"),
+    [
+        ('{"command": [0.5], "command": [0.1]}', "command"),
+        ('{"command": [0.5], "comm\\u0061nd": [0.1]}', "command"),
+        ('{"params": {"gains": [{"p": 1.0, "i": 2.0, "p" : 3.0}]}}', "p"),
+    ],
+)
+def test_a_key_that_is_there_twice_is_refused_by_name(operator, body, key):
+    before = operator.get("/api/v1/controllers/spring/command").json()
+
+    answer = operator.put(
+        "/api/v1/controllers/spring/command",
+        content=body,
+        headers={"Content-Type": "application/json"},
+    )
+
+    problem = problem_of(answer, 422, "invalid_request")
+    assert f"the key '{key}' twice" in problem["detail"]
+    assert operator.get("/api/v1/controllers/spring/command").json() == before
+
+
+def test_keys_that_other_objects_and_texts_have_too_are_taken(operator):
+    tree = {"one": {"p": 1.0}, "two": {"p": 1.0}, "note": '{"p": 1, "p": ": "}'}
+
+    answer = operator.put("/api/v1/parameters/gains", json={"value": tree})
+
+    assert answer.is_success
+    assert operator.get("/api/v1/parameters/gains").json()["value"] == tree
+
+
+@pytest.mark.parametrize(("depth", "status"), [(198, 422), (199, 413), (1000, 413)])
+def test_a_body_of_too_many_levels_is_refused(operator, depth, status):
+    answer = operator.put(
+        "/api/v1/controllers/spring/command",
+        content='{"command": ' + "[" * depth + '":"' + "]" * depth + "}",
+        headers={"Content-Type": "application/json"},
+    )
+
+    assert answer.status_code == status

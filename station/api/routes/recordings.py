@@ -119,9 +119,7 @@ _TABLE: dict[int | str, dict[str, Any]] = {
     }
 }
 router = routes_of("recordings")
-uploads = APIRouter(
-    tags=["recordings"], dependencies=[Viewer], route_class=QueryRoute
-)
+uploads = APIRouter(tags=["recordings"], dependencies=[Viewer], route_class=QueryRoute)
 """Of a body that is no JSON: it is a file, read as it comes."""
 
 
