@@ -140,6 +140,8 @@ class _Gateway:
         token = request.query_params.get("token")
         if token is not None:
             return await self._log_in(request, token)
+        if self.find_session(request) is not None:
+            return RedirectResponse("/", 303)
         return _file("login.html", "text/html; charset=utf-8")
 
     async def login(self, request: "Request") -> Response:

@@ -24,6 +24,6 @@ if (reason in REFUSALS) {
   line.hidden = false;
 }
 
-fetch("/session").then((answer) => {
-  if (answer.ok) location.replace("/");
+fetch("/login", { method: "HEAD", redirect: "manual" }).then((answer) => {
+  if (answer.type === "opaqueredirect") location.replace("/");
 });

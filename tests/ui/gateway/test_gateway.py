@@ -172,6 +172,13 @@ def test_login_sets_a_strict_cookie_that_is_not_the_token(browser):
     assert "good" not in cookie
 
 
+def test_the_login_page_leads_whoever_is_logged_in_to_the_dashboard(browser):
+    assert browser.head("/login").status_code == 200
+    _log_in(browser)
+    answer = browser.head("/login")
+    assert (answer.status_code, answer.headers["location"]) == (303, "/")
+
+
 def test_login_by_link_takes_the_token_out_of_the_address(browser):
     answer = browser.get("/login?token=good")
     assert (answer.status_code, answer.headers["location"]) == (303, "/")
