@@ -72,13 +72,17 @@ while wanted:
             wanted.append(requirement.name.lower().replace("_", "-"))
 providers = importlib.metadata.packages_distributions()
 
-class Blocked:
+class WithoutExtras:
+    def __init__(self, finder):
+        self.finder = finder
+
     def find_spec(self, name, path=None, target=None):
         owners = {owner.lower().replace("_", "-") for owner in providers.get(name, ())}
         if owners and not owners & needed:
-            raise ModuleNotFoundError(f"{name} is blocked", name=name)
+            return None
+        return self.finder.find_spec(name, path, target)
 
-sys.meta_path.insert(0, Blocked())
+sys.meta_path[:] = map(WithoutExtras, sys.meta_path)
 """
 
 
@@ -91,6 +95,13 @@ def run_alone(code: str) -> subprocess.CompletedProcess[str]:
         text=True,
         check=False,
     )
+
+
+def test_package_of_an_extra_is_not_found():
+    """With stale extensions the station looks for Cython, and runs the sources."""
+    done = run_alone("import importlib.util as u; print(u.find_spec('Cython'))")
+
+    assert done.stdout == "None\n", done.stderr
 
 
 def test_client_and_command_line_need_no_extra():
