@@ -7,6 +7,7 @@ from websockets.exceptions import ConnectionClosed
 
 from station.api.server import StreamProtocol
 from tests.api.test_server import deaf_client, open_stream
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -37,7 +38,7 @@ def test_a_client_that_reads_learns_the_code(server, protocols):
 
 def while_open(stream):
     while True:
-        stream.recv(timeout=30.0)
+        stream.recv(timeout=PATIENCE)
 
 
 def test_a_client_that_does_not_is_cut_off(server, protocols, monkeypatch):
@@ -46,7 +47,7 @@ def test_a_client_that_does_not_is_cut_off(server, protocols, monkeypatch):
     (protocol,) = protocols
     protocol.loop.call_soon_threadsafe(protocol.abort, 4408, "why")
 
-    raw.settimeout(5.0)
+    raw.settimeout(20.0)  # a ping without an answer ends the connection after 25 s
     with pytest.raises((ConnectionResetError, EOFError)):
         read_all(raw)
     raw.close()
@@ -76,4 +77,4 @@ def test_a_client_that_has_just_closed_does_not_disturb_the_end_of_the_server(
     with open_stream(server) as stream:
         stream.recv()
 
-    assert outcomes.get(timeout=30.0) is None
+    assert outcomes.get(timeout=PATIENCE) is None

@@ -16,7 +16,7 @@ from station.web.limited_server import (
     Phase,
     connection_share,
 )
-from tests.waiting import wait_until
+from tests.waiting import PATIENCE, wait_until
 
 LARGE = 32 * 1024 * 1024
 
@@ -36,10 +36,15 @@ class Serving:
     """A context in which the app is served with that many connections at most."""
 
     def __init__(self, most):
-        config = uvicorn.Config(app, log_level="error", lifespan="off")
+        self._asked = threading.Event()
+        config = uvicorn.Config(self._answer, log_level="error", lifespan="off")
         self.server = LimitedServer(config, most)
         self._thread = threading.Thread(target=self._run)
         self._listener = socket.create_server(("127.0.0.1", 0))
+
+    async def _answer(self, *request):
+        self._asked.set()
+        await app(*request)
 
     def _run(self):
         async def serve():
@@ -55,23 +60,23 @@ class Serving:
 
     def __exit__(self, *_):
         self.server.should_exit = self.server.force_exit = True
-        self._thread.join(30.0)
+        self._thread.join(PATIENCE)
 
     def wait_until_alone(self):
-        """Wait until the server has a connection no more, after it had one."""
+        """Wait until the server has a connection no more, after it had a request."""
+        assert self._asked.wait(PATIENCE)
         connections = self.server.server_state.connections
-        wait_until(lambda: connections, 10.0, pause=0.002)
-        assert wait_until(lambda: not connections, 10.0, pause=0.002)
+        assert wait_until(lambda: not connections, pause=0.002)
 
     def wait_for(self, count):
         """Wait until the server has that many connections."""
         connections = self.server.server_state.connections
-        assert wait_until(lambda: len(connections) >= count, 10.0, pause=0.002)
+        assert wait_until(lambda: len(connections) >= count, pause=0.002)
 
     def connect(self, sent=b""):
         """Return a connection on which that was sent."""
         raw = socket.create_connection(self._listener.getsockname())
-        raw.settimeout(5.0)
+        raw.settimeout(PATIENCE)
         raw.sendall(sent)
         return raw
 
@@ -85,6 +90,12 @@ def answer(raw):
     except ConnectionResetError:
         return received
     return received
+
+
+@pytest.fixture(autouse=True)
+def unlimited(monkeypatch):
+    """Lift all time limits, which would end what another reason should end."""
+    monkeypatch.setattr(limited_server, "TIME_LIMITS", {})
 
 
 @pytest.fixture
@@ -116,7 +127,7 @@ def test_a_request_that_arrives_drop_by_drop_is_given_up(beginning):
                 return True
             return False
 
-        assert wait_until(is_given_up, 30.0)
+        assert wait_until(is_given_up)
 
 
 @pytest.mark.usefixtures("impatient")

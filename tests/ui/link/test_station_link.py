@@ -7,13 +7,14 @@ from station.ui.link import station_link
 from station.ui.link.station_link import StationLink
 from tests.ui.fake_answers import JOINTS
 from tests.ui.fake_station import OPERATOR, START
+from tests.waiting import PATIENCE
 
 
 def _follow(url, script):
     """Run a link beside `script(link)`, a coroutine function."""
 
     async def run():
-        async with AsyncStationClient(url, OPERATOR, timeout=1.0) as client:
+        async with AsyncStationClient(url, OPERATOR, timeout=PATIENCE) as client:
             link = StationLink(client)
             running = asyncio.create_task(link.run())
             try:
@@ -25,7 +26,7 @@ def _follow(url, script):
     asyncio.run(run())
 
 
-async def _until(holds, seconds=5.0):
+async def _until(holds, seconds=PATIENCE):
     deadline = asyncio.get_running_loop().time() + seconds
     while not holds() and asyncio.get_running_loop().time() < deadline:
         await asyncio.sleep(0.01)
@@ -64,7 +65,7 @@ def test_what_keeps_an_end_effector_from_its_motion_arrives(fake_station):
 
 
 def test_a_link_that_is_woken_asks_at_once(fake_station, monkeypatch):
-    monkeypatch.setattr(station_link, "_CONTROLLERS_PERIOD", 60.0)
+    monkeypatch.setattr(station_link, "_CONTROLLERS_PERIOD", 10.0 * PATIENCE)
 
     async def script(link):
         await _until(lambda: link.view().status)
@@ -75,7 +76,7 @@ def test_a_link_that_is_woken_asks_at_once(fake_station, monkeypatch):
 
 
 def test_a_request_that_went_to_the_former_station_is_repeated_at_once(monkeypatch):
-    monkeypatch.setattr(station_link, "_CONTROLLERS_PERIOD", 60.0)
+    monkeypatch.setattr(station_link, "_CONTROLLERS_PERIOD", 10.0 * PATIENCE)
     asked = []
 
     async def script(link):
@@ -91,7 +92,7 @@ def test_a_request_that_went_to_the_former_station_is_repeated_at_once(monkeypat
             return ()
 
         monkeypatch.setattr(link.client, "controllers", controllers)
-        async with asyncio.timeout(5.0):
+        async with asyncio.timeout(PATIENCE):
             await answered.wait()
 
     _follow("http://127.0.0.1:9", script)
@@ -100,8 +101,8 @@ def test_a_request_that_went_to_the_former_station_is_repeated_at_once(monkeypat
 
 def test_who_draws_the_robot_is_woken_by_its_positions(fake_station):
     async def script(link):
-        async with asyncio.timeout(5.0):
-            await link.wait_for_motion(60.0)
+        async with asyncio.timeout(PATIENCE):
+            await link.wait_for_motion(10.0 * PATIENCE)
         assert link.view().positions
 
     _follow(fake_station.url, script)
@@ -109,7 +110,7 @@ def test_who_draws_the_robot_is_woken_by_its_positions(fake_station):
 
 def test_who_draws_the_robot_is_woken_in_time_when_nothing_moves():
     async def script(link):
-        async with asyncio.timeout(5.0):
+        async with asyncio.timeout(PATIENCE):
             await link.wait_for_motion(0.0)
         assert not link.view().positions
 
