@@ -5,6 +5,7 @@ import time
 from typing_extensions import override
 
 from station.core.clock import ManualClock
+from tests.waiting import PATIENCE
 
 
 class PatientClock(ManualClock):
@@ -21,4 +22,4 @@ class PatientClock(ManualClock):
 
     @override
     def wait_for(self, lock, deadline):
-        return lock.acquire(timeout=5.0)
+        return lock.acquire(timeout=PATIENCE)

@@ -4,9 +4,11 @@ import threading
 import time
 from collections.abc import Iterable
 
+from tests.waiting import PATIENCE
+
 POOL = "AnyIO worker thread"
 """These end with their event loop, whose own thread is looked at here."""
-GRACE = 2.0
+GRACE = PATIENCE
 """How long a stopped thread may take to end [s]; passing tests do not wait."""
 
 

@@ -16,6 +16,7 @@ from station.core.control.switching import SwitchRequest
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.test_server import open_stream
 from tests.franka_station import make_franka_station
+from tests.waiting import PATIENCE
 
 DOCUMENT = asyncapi.document()
 CYCLED = sorted(set(DOCUMENT["channels"]) - {"events", "command"})
@@ -43,9 +44,9 @@ def check(message, frame):
 def frames(arm, topic, query):
     station, server = arm
     with open_stream(server, topic, query=query) as stream:
-        hello = stream.recv(timeout=30.0)
+        hello = stream.recv(timeout=PATIENCE)
         station.loop.step(30)
-        return hello, stream.recv(timeout=30.0)
+        return hello, stream.recv(timeout=PATIENCE)
 
 
 def test_every_topic_is_described(arm):
@@ -58,10 +59,10 @@ def test_every_topic_is_described(arm):
 def test_the_frame_of_an_event_is_as_described(arm):
     _, server = arm
     with open_stream(server, "events") as stream:
-        hello = stream.recv(timeout=30.0)
+        hello = stream.recv(timeout=PATIENCE)
         with StationClient(server.url, OPERATOR) as client:
             client.stop("now")
-        frame = stream.recv(timeout=30.0)
+        frame = stream.recv(timeout=PATIENCE)
 
     check("hello", json.loads(hello))
     check("events_state", json.loads(frame))

@@ -9,6 +9,7 @@ from station.api.control import Control, ControlHeldError, ControlNotHeldError
 from station.api.named_tokens import NamedToken
 from station.core.clock import ManualClock
 from station.events import EventKind, EventLog, Origin
+from tests.waiting import PATIENCE
 
 SHARED = Access(Role.OPERATOR)
 ADA = Access(Role.OPERATOR, token=NamedToken("ada", "operator", "1", 0.0))
@@ -189,7 +190,7 @@ def test_nobody_takes_control_while_a_set_point_is_given(control, held):
         taken.start()
         taken.join(0.05)  # as long as it takes to take control, many times over
         assert control.present().owner == "Ada"
-    taken.join(30.0)
+    taken.join(PATIENCE)
 
     assert control.present().owner == "G"
     assert [names for names, _ in held] == [{"arm"}]

@@ -8,6 +8,7 @@ from station.api.server import ApiServer
 from station.web.host_policy import HostPolicy
 from tests.api.conftest import OPERATOR, URL, AppTransport
 from tests.api.test_server import open_stream
+from tests.waiting import PATIENCE
 
 PAGE = "http://lab.example:5173"
 BEARER = {"Authorization": f"Bearer {OPERATOR}"}
@@ -68,7 +69,7 @@ def test_an_allowed_page_opens_streams(open_app):
     with ApiServer(open_app, port=0) as server:
         headers = {**BEARER, "Origin": PAGE}
         with open_stream(server, headers=headers) as stream:
-            assert '"hello"' in stream.recv(timeout=30.0)
+            assert '"hello"' in stream.recv(timeout=PATIENCE)
 
 
 def test_no_page_elsewhere_is_allowed_by_default(operator):

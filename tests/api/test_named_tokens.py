@@ -14,6 +14,7 @@ from station.api.named_tokens import (
     TokenNotFoundError,
     TokensNotKeptError,
 )
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -40,7 +41,7 @@ def test_a_revoked_token_is_gone_for_good(path):
     asyncio.run(tokens.revoke("ada"))
 
     assert held.has_ended()
-    asyncio.run(asyncio.wait_for(held.wait_for_end(), 30.0))
+    asyncio.run(asyncio.wait_for(held.wait_for_end(), PATIENCE))
     assert tokens.find(secret) is None
     assert NamedTokens(path).all() == []
     with pytest.raises(TokenNotFoundError):
@@ -92,7 +93,7 @@ def test_the_event_loop_goes_on_while_the_disk_is_slow(path, monkeypatch):
     went_on = threading.Event()
 
     def write_when_the_loop_went_on(*_):
-        assert went_on.wait(30.0), "the event loop waits for the disk"
+        assert went_on.wait(PATIENCE), "the event loop waits for the disk"
 
     monkeypatch.setattr(named_tokens, "_write_whole", write_when_the_loop_went_on)
 

@@ -23,6 +23,7 @@ from station.core.hardware.interfaces import (
 )
 from station.core.loop.heartbeat import Heartbeat
 from tests.app.mass_hw import TYPE
+from tests.waiting import PATIENCE
 
 GROUP = "position_controllers/JointGroupPositionController"
 
@@ -202,7 +203,7 @@ def test_a_controller_over_its_budget_is_stopped_while_others_go_on(
 
     station.switch_controllers(SwitchRequest(start=["slow", "quick"]))
     station.loop.start()
-    assert station.manager.get_controller("quick").enough.wait(30.0)
+    assert station.manager.get_controller("quick").enough.wait(PATIENCE)
     states = {c.name: (c.state.value, c.fault) for c in station.controllers()}
     station.loop.stop()
 

@@ -18,6 +18,7 @@ from station.app.recording_start import (
 from station.config import load_config
 from station.records.record_store import RecordStore
 from station.web.host_policy import HostPolicy
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -87,7 +88,7 @@ def test_a_long_recovery_does_not_hold_the_start_up(build, monkeypatch):
     go_on = threading.Event()
     recover = RecordStore.recover
     monkeypatch.setattr(
-        RecordStore, "recover", lambda *args: go_on.wait(10.0) and recover(*args)
+        RecordStore, "recover", lambda *args: go_on.wait(PATIENCE) and recover(*args)
     )
 
     assert build()[2] is not None
@@ -95,7 +96,7 @@ def test_a_long_recovery_does_not_hold_the_start_up(build, monkeypatch):
     (thread,) = [t for t in threading.enumerate() if t.name == "recovery"]
     assert thread.is_alive()
     go_on.set()
-    thread.join(10.0)
+    thread.join(PATIENCE)
 
 
 @pytest.mark.parametrize("tool", ["foxglove", "rosbridge"])

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from station.app.shutdown_signals import ShutdownSignals
+from tests.waiting import PATIENCE
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
@@ -27,7 +28,7 @@ def test_signal_ends_the_wait(number):
     with ShutdownSignals(nothing) as signals:
         assert not signals.wait(0.0)
         os.kill(os.getpid(), number)
-        assert signals.wait(1.0)
+        assert signals.wait(PATIENCE)
 
 
 def test_handlers_are_put_back():

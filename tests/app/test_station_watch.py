@@ -10,7 +10,7 @@ from station.app.dashboard_file import DashboardRecord
 from station.app.station_watch import StationWatch
 from station.local.private_files import process_start
 from station.ui.link.station_access import StationAccess
-from tests.waiting import wait_until
+from tests.waiting import PATIENCE, wait_until
 
 ACCESS = StationAccess("http://127.0.0.1:8000", "secret", "")
 PROGRAM = """
@@ -65,7 +65,7 @@ def start():
     yield start_both
     for station in stations:
         station.stdin.close()
-        station.wait(20.0)
+        station.wait(PATIENCE)
         station.stdout.close()
 
 

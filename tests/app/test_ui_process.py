@@ -18,7 +18,7 @@ from station.app.ui_process import (
     find_orphan,
     free_port,
 )
-from tests.waiting import wait_until
+from tests.waiting import PATIENCE, wait_until
 
 OPTIONS = UiOptions("http://127.0.0.1:8000", "secret", "127.0.0.1", 8080)
 STUCK = (
@@ -169,7 +169,7 @@ def test_an_orphan_that_shows_something_else_is_ended(
         assert child.stdout.readline() == b"up\n"
 
     assert find_orphan("127.0.0.1", 8080, OPTIONS.shown()) is None
-    assert child.wait(20.0) == code
+    assert child.wait(PATIENCE) == code
 
 
 def test_an_adopted_dashboard_that_does_not_end_is_killed(leave):
@@ -180,7 +180,7 @@ def test_an_adopted_dashboard_that_does_not_end_is_killed(leave):
     ui.terminate()
     ui.finish(0.05)
 
-    assert child.wait(20.0) == -signal.SIGKILL
+    assert child.wait(PATIENCE) == -signal.SIGKILL
 
 
 @pytest.mark.usefixtures("leave")

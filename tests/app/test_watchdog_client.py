@@ -6,6 +6,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 import pytest
 
 from station.app.watchdog_client import WatchdogError, stop_through_watchdog
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -31,7 +32,7 @@ def answering():
 
     yield answer
     for thread, server in threads:
-        thread.join(20.0)
+        thread.join(PATIENCE)
         server.server_close()
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from station.cli.main import main, normalise
 from station.client import ApiError
+from tests.waiting import PATIENCE
 
 HEAVY = ("fastapi", "httpx", "mujoco", "numpy", "pydantic", "rich", "viser", "yaml")
 
@@ -114,4 +115,4 @@ def test_reader_that_has_enough_is_no_error():
     errors = station.stderr.read()
     station.stderr.close()
 
-    assert (station.wait(20), errors) == (0, b"")
+    assert (station.wait(PATIENCE), errors) == (0, b"")

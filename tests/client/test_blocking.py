@@ -34,6 +34,7 @@ from station.wire import JointStates, SwitchResult
 from tests.api.conftest import OPERATOR
 from tests.api.spring import make_station
 from tests.franka_station import make_franka_station
+from tests.waiting import PATIENCE
 
 
 def test_nobody_there_is_said_plainly():
@@ -228,9 +229,9 @@ def test_close_ends_an_iteration_in_another_thread(client):
     first = threading.Event()
     reader = threading.Thread(target=read)
     reader.start()
-    assert first.wait(30.0)
+    assert first.wait(PATIENCE)
     stream.close()
-    reader.join(30.0)
+    reader.join(PATIENCE)
 
     assert not reader.is_alive()
     assert seen
@@ -252,7 +253,7 @@ def test_frame_that_fulfils_a_condition_is_waited_for(client, station):
     with client.stream("joint_states", rate="full") as stream:
         station.loop.step(3)
 
-        frame = stream.wait_for(lambda frame: frame.stamp > 0.0, 30.0)
+        frame = stream.wait_for(lambda frame: frame.stamp > 0.0, PATIENCE)
 
         assert frame.data["samples"]
 

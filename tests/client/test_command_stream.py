@@ -12,6 +12,7 @@ from station.client import ApiError, StationClient, StationUnreachableError, str
 from station.core.clock import SystemClock
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.spring import make_station
+from tests.waiting import PATIENCE, wait_until
 
 
 @pytest.fixture
@@ -34,7 +35,7 @@ def client(served):
 
 def test_set_points_are_sent_and_counted(client):
     with client.command_stream("spring") as stream:
-        deadline = time.monotonic() + 30.0
+        deadline = time.monotonic() + PATIENCE
         while stream.counts is None or not stream.counts.applied:
             assert time.monotonic() < deadline
             stream.send([0.5])
@@ -101,6 +102,4 @@ def test_what_was_sent_last_goes_out_before_the_end(client):
     with client.command_stream("spring") as stream:
         stream.send([0.125])
 
-    deadline = time.monotonic() + 30.0
-    while client.last_command("spring").last != [0.125]:
-        assert time.monotonic() < deadline
+    assert wait_until(lambda: client.last_command("spring").last == [0.125])

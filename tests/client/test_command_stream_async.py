@@ -9,6 +9,7 @@ from station.client import ApiError, AsyncStationClient, StationUnreachableError
 from station.core.clock import SystemClock
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.spring import make_station
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -32,7 +33,7 @@ def test_set_points_are_sent_and_counted(served):
                     await asyncio.sleep(0)
                 return stream.counts
 
-    counts = asyncio.run(asyncio.wait_for(work(), 10.0))
+    counts = asyncio.run(asyncio.wait_for(work(), PATIENCE))
     assert counts.refused == 0
 
 
@@ -47,7 +48,7 @@ def test_a_refusal_says_why(served):
                 await asyncio.sleep(0)
 
     with pytest.raises(ApiError) as refused:
-        asyncio.run(asyncio.wait_for(work(), 10.0))
+        asyncio.run(asyncio.wait_for(work(), PATIENCE))
     assert refused.value.code == "forbidden"
 
 

@@ -36,6 +36,7 @@ from station.client.streams import (
 from tests.api.conftest import OPERATOR
 from tests.api.spring import make_station
 from tests.franka_station import make_franka_station
+from tests.waiting import PATIENCE
 
 
 def run_with(served, check, token=OPERATOR):
@@ -144,7 +145,7 @@ def test_an_interrupted_entry_leaves_no_link_open():
             await entered.wait()
             entering.cancel()
             await asyncio.wait([entering])
-            await asyncio.wait_for(gone.wait(), 30.0)
+            await asyncio.wait_for(gone.wait(), PATIENCE)
 
     asyncio.run(work())
 
@@ -153,7 +154,7 @@ def test_frame_that_fulfils_a_condition_is_waited_for(served, station):
     async def check(client):
         async with client.stream("joint_states", rate="full") as stream:
             station.loop.step(3)
-            return await stream.wait_for(lambda frame: frame.stamp > 0.0, 30.0)
+            return await stream.wait_for(lambda frame: frame.stamp > 0.0, PATIENCE)
 
     assert run_with(served, check).data["samples"]
 

@@ -8,6 +8,7 @@ from station.core.control.switching import Strictness
 from station.core.errors import StationError
 from station.core.loop.control_loop import ControlLoop
 from station.testing.scripted import ScriptedBench
+from tests.waiting import PATIENCE
 
 THREADS = 4
 SWITCHES = 250
@@ -86,7 +87,7 @@ def test_a_thousand_random_switches_keep_one_owner_per_joint_in_every_cycle():
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(120.0)
+        thread.join(PATIENCE)
     loop.stop()
 
     assert len(outcomes) == THREADS * SWITCHES  # none lost, none stuck

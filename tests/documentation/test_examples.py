@@ -3,7 +3,6 @@
 import calendar
 import re
 import sys
-import time
 from pathlib import Path
 
 import httpx
@@ -32,6 +31,7 @@ from tests.documentation.shell_examples import (
     curl_request,
 )
 from tests.for_each import for_each
+from tests.waiting import PATIENCE, wait_until
 
 OPERATOR = "operator-token"
 TRIED = [
@@ -163,7 +163,7 @@ def send(words: list[str]) -> httpx.Response:
         request.url,
         headers=request.headers,
         content=body,
-        timeout=30.0,
+        timeout=PATIENCE,
     )
     if request.output:
         FILES[request.output] = answer.content
@@ -185,9 +185,8 @@ def test_the_square_of_the_page_on_controllers_is_driven(url, monkeypatch):
 
     with StationClient(url, OPERATOR) as client:
         wanted = pytest.approx(names["pose"], abs=2e-3)
-        deadline = time.monotonic() + 10.0
-        while time.monotonic() < deadline:  # the end of the way
-            state = client.controller_state("cartesian_streaming_controller")
-            if state.actual == wanted:
-                break
-    assert state.actual == wanted
+
+        def actual():
+            return client.controller_state("cartesian_streaming_controller").actual
+
+        assert wait_until(lambda: actual() == wanted)  # the end of the way

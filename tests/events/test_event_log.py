@@ -15,6 +15,7 @@ from station.events.event import Origin
 from station.events.event_file import EventFile
 from station.events.event_log import IN_MEMORY, EventLog
 from station.reports import EventKind, Severity
+from tests.waiting import PATIENCE
 
 KIND = EventKind.REQUEST
 
@@ -142,7 +143,7 @@ def _waiter(log, result):
     """Return a function that returns once an event of that result has come."""
     come = threading.Event()
     log.listen(lambda event: come.set() if event.result == result else None)
-    return lambda: come.wait(10.0) or pytest.fail(f"no event {result!r}")
+    return lambda: come.wait(PATIENCE) or pytest.fail(f"no event {result!r}")
 
 
 def test_what_never_reaches_the_disk_is_counted(path, monkeypatch):

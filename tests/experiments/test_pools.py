@@ -2,7 +2,6 @@
 
 import os
 import signal
-import time
 from concurrent.futures import Executor
 from concurrent.futures.process import BrokenProcessPool
 
@@ -17,6 +16,7 @@ from station.experiments.pools import (
     worker_count,
 )
 from station.trials.errors import ExperimentError
+from tests.waiting import wait_until
 
 
 def test_this_process():
@@ -68,9 +68,7 @@ def test_processes_are_ended_while_they_work():
     with make_pool(1) as pool:
         assert pool.submit(os.getpid).result() != os.getpid()
         endless = pool.submit(signal.pause)
-        deadline = time.monotonic() + 20.0
-        while not endless.running():
-            assert time.monotonic() < deadline
+        assert wait_until(endless.running)
         pool.abandon()
 
         assert isinstance(endless.exception(20.0), BrokenProcessPool)

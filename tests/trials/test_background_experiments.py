@@ -26,6 +26,7 @@ from station.trials.errors import (
 from station.trials.results import Results, file_of, names
 from station.trials.trial import Setup
 from station.wire.experiments import ExperimentRequest
+from tests.waiting import PATIENCE, wait_until
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = str(Path(__file__).with_name("experiment_script.py"))
@@ -63,9 +64,9 @@ def make(tmp_path):
 
 def until_it_ends(background):
     """Return all states until the experiment does not run any more."""
-    states = [background.told.get(timeout=20.0)]
+    states = [background.told.get(timeout=PATIENCE)]
     while states[-1].state == "running":
-        states.append(background.told.get(timeout=20.0))
+        states.append(background.told.get(timeout=PATIENCE))
     return states
 
 
@@ -209,12 +210,7 @@ def test_processes_and_workers_end_with_a_station_that_is_killed():
 
     assert len(processes) >= 2
     assert niceness[16] == "10"
-    deadline = subprocess.Popen(["sleep", "20"])
-    with deadline:
-        while any(map(_lives, processes)) and deadline.poll() is None:
-            pass
-        deadline.kill()
-    assert not any(map(_lives, processes))
+    assert wait_until(lambda: not any(map(_lives, processes)))
 
 
 def _lives(process):

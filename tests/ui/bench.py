@@ -12,7 +12,7 @@ from station.ui.dashboard import Dashboard
 from station.ui.gateway.viser_server import SECRET_HEADER, open_viser
 from station.ui.scene.robot_model import load_robot
 from tests.ui.fake_station import OPERATOR, FakeStation
-from tests.waiting import wait_until
+from tests.waiting import PATIENCE, wait_until
 
 CAMERA = {
     "type": "ViewerCameraMessage",
@@ -34,7 +34,7 @@ class Bench:
     def __enter__(self):
         self.station = FakeStation().__enter__()
         self.guarded = open_viser("Bench")
-        client = AsyncStationClient(self.station.url, OPERATOR, timeout=2.0)
+        client = AsyncStationClient(self.station.url, OPERATOR, timeout=PATIENCE)
         self.dashboard = Dashboard(
             self.guarded.server, client, load_robot("example-robot-data:panda")
         )
@@ -55,7 +55,7 @@ class Bench:
 
     def __exit__(self, *exc):
         self._socket.close()
-        self._reader.join(30.0)
+        self._reader.join(PATIENCE)
         asyncio.run(self.dashboard.stop())
         self.guarded.stop()
         self.station.__exit__(*exc)
@@ -73,7 +73,7 @@ class Bench:
             "updates": {"value": value},
         })
 
-    def wait(self, holds, seconds=8.0):
+    def wait(self, holds, seconds=PATIENCE):
         """Poll until `holds` is true; return its last answer."""
         return wait_until(holds, seconds)
 

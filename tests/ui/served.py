@@ -4,7 +4,7 @@ import threading
 
 import uvicorn
 
-from tests.waiting import wait_until
+from tests.waiting import PATIENCE, wait_until
 
 
 class Served:
@@ -27,4 +27,4 @@ class Served:
 
     def __exit__(self, *_):
         self._server.should_exit = self._server.force_exit = True
-        self._thread.join(30.0)
+        self._thread.join(PATIENCE)

@@ -17,6 +17,7 @@ from station.ui.sessions.sessions import Role
 from tests.api.spring import make_station
 from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER
+from tests.waiting import PATIENCE
 
 PROGRAM = """
 import sys
@@ -74,7 +75,7 @@ def test_a_signal_ends_it_at_once_and_cleanly(fake_station, number):
         assert process.stdout.readline().startswith("http://127.0.0.1:")
         began = time.monotonic()
         process.send_signal(number)
-        _, errors = process.communicate(timeout=60)
+        _, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0
     assert "Traceback" not in errors
     # One second is promised. The start computes much and waits for nothing: it tells
@@ -93,7 +94,7 @@ def test_a_robot_that_cannot_be_drawn_leaves_the_panels(fake_station):
     ) as process:
         assert process.stdout.readline().startswith("http://127.0.0.1:")
         process.send_signal(signal.SIGTERM)
-        _, errors = process.communicate(timeout=10)
+        _, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0
     assert "gone.urdf" in errors
     assert "Traceback" not in errors

@@ -7,6 +7,7 @@ import pytest
 from starlette.requests import HTTPConnection
 
 from station.web.failed_logins import MOST_HELD, MOST_SOURCES, FailedLogins
+from tests.waiting import PATIENCE
 
 
 class Time:
@@ -112,7 +113,7 @@ def test_only_so_many_answers_are_held_back_at_a_time(time):
             for _ in range(3 + MOST_HELD)
         ]
         await asyncio.sleep(0)
-        await asyncio.wait_for(failed.slow_down(connection("10.0.0.1")), 30.0)
+        await asyncio.wait_for(failed.slow_down(connection("10.0.0.1")), PATIENCE)
         gate.set()
         await asyncio.gather(*held)
 

@@ -10,6 +10,7 @@ from station.client import StationClient
 from station.events import EventKind
 from tests.api.conftest import OPERATOR
 from tests.api.foxglove.words import PROTOCOLS, call, running, set_gains
+from tests.waiting import PATIENCE
 
 
 @pytest.mark.parametrize("way", ["lease in the address", "named token"])
@@ -24,7 +25,7 @@ def test_who_holds_control_changes_and_the_event_says_who(
         with connect(f"{foxglove}?token={token}{key}", subprotocols=PROTOCOLS) as one:
             set_gains(one, k=3.0)
             call(one, json.dumps({"stop": ["arm"]}).encode())
-            while not isinstance(answer := one.recv(timeout=30.0), bytes):
+            while not isinstance(answer := one.recv(timeout=PATIENCE), bytes):
                 assert json.loads(answer)["op"] != "serviceCallFailure"
 
     assert station.tuning.gains("arm").values == {"k": 3.0}
@@ -47,7 +48,7 @@ def test_refused_changes_and_wrong_tokens_leave_events(app, serve):
         connect(f"{foxglove}?token=guessed", subprotocols=PROTOCOLS) as client,
         pytest.raises(ConnectionClosed),
     ):
-        client.recv(timeout=30.0)
+        client.recv(timeout=PATIENCE)
 
     events = app.state.services.event_recorder.log.recent(0)
     (refused,) = [e for e in events if e.kind is EventKind.REQUEST and "fox" in e.what]

@@ -14,6 +14,7 @@ from station.client import StationClient
 from station.web.host_policy import HostPolicy
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.foxglove.words import call, running, set_gains, until
+from tests.waiting import PATIENCE
 
 MOST = FoxglovePort.most_clients
 PROTOCOLS = ["foxglove.sdk.v1"]
@@ -112,7 +113,7 @@ def test_a_rebound_host_does_not_get_in(serve, station):
         ) as client,
         pytest.raises(ConnectionClosed) as closed,
     ):
-        client.recv(timeout=30.0)
+        client.recv(timeout=PATIENCE)
     assert closed.value.rcvd.code == 4403
     answer = httpx.get(f"http://127.0.0.1:{port}/", headers={"Host": "evil.example"})
     assert answer.status_code == 403
@@ -133,7 +134,7 @@ def test_a_token_is_needed_where_others_can_connect(serve):
         connect(foxglove, subprotocols=PROTOCOLS) as client,
         pytest.raises(ConnectionClosed) as closed,
     ):
-        client.recv(timeout=30.0)
+        client.recv(timeout=PATIENCE)
     assert closed.value.rcvd.code == 4401
     with connect(f"{foxglove}?token={VIEWER}", subprotocols=PROTOCOLS) as client:
         assert until(client, "serverInfo")["name"] == "control station"

@@ -13,6 +13,7 @@ from websockets.sync.client import connect
 from station.records import messages
 from tests.api.conftest import OPERATOR
 from tests.api.foxglove.words import URDF, call, running, set_gains, subscribe, until
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -115,7 +116,9 @@ def test_controllers_are_switched(client, station):
     service = until(client, "advertiseServices")["services"][0]
     assert service["name"] == "/switch_controllers"
     call(client, json.dumps({"stop": ["arm"]}).encode(), service["id"])
-    while not isinstance(answer := client.recv(timeout=30.0), bytes) or answer[0] != 3:
+    while (
+        not isinstance(answer := client.recv(timeout=PATIENCE), bytes) or answer[0] != 3
+    ):
         pass
 
     assert json.loads(answer[13 + 4 :])["ok"] is True

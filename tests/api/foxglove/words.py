@@ -6,6 +6,8 @@ Source: https://github.com/foxglove/ws-protocol, docs/spec.md.
 import json
 import struct
 
+from tests.waiting import PATIENCE
+
 PROTOCOLS = ["foxglove.sdk.v1"]
 URDF = """<robot name="r"><link name="base"/><link name="tip"/>
 <joint name="j" type="revolute"><parent link="base"/><child link="tip"/>
@@ -16,7 +18,7 @@ URDF = """<robot name="r"><link name="base"/><link name="tip"/>
 def until(client, op):
     """Return the next message of a kind; others are skipped."""
     while True:
-        found = client.recv(timeout=30.0)
+        found = client.recv(timeout=PATIENCE)
         if isinstance(found, str) and json.loads(found)["op"] == op:
             return json.loads(found)
 
@@ -47,7 +49,7 @@ def set_gains(client, **values):
     client.send(json.dumps({"op": "setParameters", "parameters": wanted, "id": "b"}))
     found = []
     while not found or found[-1]["op"] != "parameterValues":
-        message = client.recv(timeout=30.0)
+        message = client.recv(timeout=PATIENCE)
         if isinstance(message, str) and json.loads(message)["op"] in {
             "status",
             "parameterValues",

@@ -14,6 +14,7 @@ from station.config import load_config
 from station.core.description.urdf_parser import parse_urdf
 from station.web.host_policy import HostPolicy
 from tests.api.conftest import OPERATOR
+from tests.waiting import PATIENCE
 
 JOINTS = ["joint1", "joint2"]
 _JOINT = """<link name="{0}"/><joint name="{0}" type="revolute">
@@ -64,7 +65,7 @@ class RosClient:
     def until(self, op, **facts):
         """Return the next message of an operation; statuses on the way are kept."""
         while True:
-            message = self.socket.recv(timeout=10.0)
+            message = self.socket.recv(timeout=PATIENCE)
             if isinstance(message, bytes):
                 return message
             found = json.loads(message)

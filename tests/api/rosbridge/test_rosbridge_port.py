@@ -14,6 +14,7 @@ from station.events import EventKind
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.rosbridge.conftest import JOINTS, RosClient
 from tests.api.rosbridge.test_session import ACTION, TRAJECTORY
+from tests.waiting import PATIENCE
 
 GOAL = {"trajectory": TRAJECTORY}
 FRAMES = int(os.environ.get("FUZZED_FRAMES", "10000"))
@@ -83,14 +84,14 @@ def test_who_is_turned_away(serve, query, options, code):
         RosClient(f"{url}?{query}", **options) as client,
         pytest.raises(ConnectionClosed) as closed,
     ):
-        client.socket.recv(timeout=30.0)
+        client.socket.recv(timeout=PATIENCE)
     assert closed.value.rcvd.code == code
 
 
 def test_elsewhere_nobody_gets_in_without_a_token(serve):
     _, url = serve(anonymous=False)
     with RosClient(url) as client, pytest.raises(ConnectionClosed):
-        client.socket.recv(timeout=30.0)
+        client.socket.recv(timeout=PATIENCE)
 
 
 def test_a_request_over_http_is_told_where_to_go(serve):

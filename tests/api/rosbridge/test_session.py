@@ -9,6 +9,7 @@ import pytest
 from station.core.control.switching import SwitchRequest
 from tests.api.conftest import OPERATOR
 from tests.api.rosbridge.conftest import JOINTS, RosClient
+from tests.waiting import wait_until
 
 # Long enough for a busy machine to see a goal active.
 TRAJECTORY = {
@@ -79,9 +80,7 @@ def test_a_set_point_reaches_its_controller(client, station):
     client.send("advertise", topic="/pose/command", type="std_msgs/Float64MultiArray")
     client.send("publish", topic="/pose/command", msg={"data": [0.25, -0.5]})
     client.values("/rosapi/get_time")
-    deadline = time.monotonic() + 30.0
-    while station.motion.set_point("pose").values != (0.25, -0.5):
-        assert time.monotonic() < deadline
+    assert wait_until(lambda: station.motion.set_point("pose").values == (0.25, -0.5))
     assert client.statuses == []
 
 

@@ -12,6 +12,7 @@ from station.wire import controllers
 from tests.api.conftest import OPERATOR
 from tests.api.spring import Spring
 from tests.api.test_errors import problem_of
+from tests.waiting import PATIENCE
 
 SPRING = {"name": "spring", "type": "test/Spring", "params": {"joint": "j"}}
 
@@ -227,7 +228,7 @@ class SlowSpring(Spring):
     def init(self, interface, params):
         """Wait."""
         SlowSpring.reached.set()
-        SlowSpring.go_on.wait(30.0)
+        SlowSpring.go_on.wait(PATIENCE)
         super().init(interface, params)
 
 
@@ -247,13 +248,13 @@ def loading(station, live):
 
     thread = threading.Thread(target=load)
     thread.start()
-    assert SlowSpring.reached.wait(30.0)
+    assert SlowSpring.reached.wait(PATIENCE)
     yield refusals, thread
     SlowSpring.go_on.set()
-    thread.join(30.0)
+    thread.join(PATIENCE)
     for each in threading.enumerate():
         if each.name == "load slow":
-            each.join(30.0)
+            each.join(PATIENCE)
 
 
 def test_deleting_a_controller_that_is_loading_cancels_it(server, loading):
@@ -264,7 +265,7 @@ def test_deleting_a_controller_that_is_loading_cancels_it(server, loading):
 
         assert other.unload_controller("slow").state == "loading"
 
-        thread.join(30.0)
+        thread.join(PATIENCE)
         assert [(e.status, e.code) for e in refusals] == [
             (422, "controller_load_failed")
         ]
@@ -293,7 +294,7 @@ def test_loading_that_takes_longer_than_its_timeout_is_refused(station, client):
     SlowSpring.go_on.set()
     for each in threading.enumerate():
         if each.name == "load slow":
-            each.join(30.0)
+            each.join(PATIENCE)
     assert client.controllers() == []
 
 

@@ -9,6 +9,7 @@ from station.client import ApiError
 from station.events import EventKind
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.test_server import open_stream
+from tests.waiting import PATIENCE
 
 EVENTS = "/api/v1/events"
 
@@ -164,10 +165,10 @@ def test_too_many_followers_are_turned_away(server, monkeypatch):
 
 def test_a_stream_has_every_event(server, log):
     with open_stream(server, "events") as stream:
-        json.loads(stream.recv(timeout=30.0))
+        json.loads(stream.recv(timeout=PATIENCE))
         for number in range(100):
             log.record(EventKind.STOP, str(number))
-        frames = [json.loads(stream.recv(timeout=30.0)) for _ in range(100)]
+        frames = [json.loads(stream.recv(timeout=PATIENCE)) for _ in range(100)]
 
     assert [frame["data"]["text"] for frame in frames] == [str(n) for n in range(100)]
     assert [frame["seq"] for frame in frames] == list(range(1, 101))

@@ -6,6 +6,7 @@ from websockets.exceptions import ConnectionClosed
 from station.client import ApiError, StationClient
 from tests.api.conftest import URL, AppTransport
 from tests.api.test_server import open_stream
+from tests.waiting import PATIENCE
 
 TOKENS = "/api/v1/tokens"
 
@@ -56,7 +57,7 @@ def test_revocation_ends_open_streams_and_sessions(live, server):
     made = live.tokens.create("ada")
     headers = {"Authorization": f"Bearer {made.token}"}
     with open_stream(server, "loop", headers) as stream:
-        stream.recv(timeout=30.0)
+        stream.recv(timeout=PATIENCE)
         live.tokens.revoke("ada")
         with pytest.raises(ConnectionClosed) as closed:
             list(stream)

@@ -18,18 +18,18 @@ from station.api.server import ApiServer
 from station.core.clock import ManualClock
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.test_server import BEARER, deaf_client, open_stream
-from tests.waiting import wait_until
+from tests.waiting import PATIENCE, wait_until
 
 
 def close_code(stream):
     with stream, pytest.raises(ConnectionClosed) as caught:
-        stream.recv(timeout=30.0)
+        stream.recv(timeout=PATIENCE)
     assert caught.value.rcvd.reason
     return caught.value.rcvd.code
 
 
 def read(stream):
-    return json.loads(stream.recv(timeout=30.0))
+    return json.loads(stream.recv(timeout=PATIENCE))
 
 
 def test_hello_comes_first_with_a_snapshot_of_everything(server, station, live):
@@ -191,7 +191,7 @@ def test_a_client_that_reads_nothing_is_closed_4408_and_harms_nobody(
 def last_close_code(raw):
     """Read everything at last, and return the code of the close frame."""
     protocol = Protocol(CLIENT, max_size=None)
-    raw.settimeout(5.0)
+    raw.settimeout(PATIENCE)
     head = b""
     while b"\r\n\r\n" not in head:
         head += raw.recv(1)
@@ -218,7 +218,7 @@ def code_at_the_end(stream):
 
 def read_to_the_end(stream):
     while True:
-        stream.recv(timeout=30.0)
+        stream.recv(timeout=PATIENCE)
 
 
 def test_logging_out_ends_the_streams_of_that_session_alone(server):

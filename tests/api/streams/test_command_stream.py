@@ -14,6 +14,7 @@ from station.core.clock import SystemClock
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.spring import make_station
 from tests.api.test_server import open_stream
+from tests.waiting import PATIENCE, wait_until
 
 TOPIC = "command/spring"
 
@@ -36,7 +37,7 @@ def spring(live, station, monkeypatch):
 
 
 def counts(stream):
-    return json.loads(stream.recv(timeout=30.0))
+    return json.loads(stream.recv(timeout=PATIENCE))
 
 
 def settled(stream, received):
@@ -67,7 +68,7 @@ def test_a_set_point_reaches_the_controller(server, station, message):
 def test_set_points_can_be_msgpack(server, station):
     with open_stream(server, TOPIC, query="?format=msgpack") as stream:
         stream.send(msgspec.msgpack.encode({"command": [0.5]}))
-        found = msgspec.msgpack.decode(stream.recv(timeout=30.0))
+        found = msgspec.msgpack.decode(stream.recv(timeout=PATIENCE))
 
     assert found["received"] == 1
     assert target(station) == 0.5
@@ -135,9 +136,7 @@ def test_silence_lets_the_set_point_expire(server, station):
     with open_stream(server, TOPIC, query="?timeout=0.01") as stream:
         stream.send("[0.5]")
         settled(stream, 1)
-        deadline = time.monotonic() + 30.0
-        while not port.take_expiry():
-            assert time.monotonic() < deadline
+        assert wait_until(port.take_expiry)
 
 
 @pytest.mark.parametrize(
@@ -158,7 +157,7 @@ def test_who_and_what_is_wrong_is_refused(server, topic, token, code):
         open_stream(server, topic, headers) as stream,
         pytest.raises(ConnectionClosed) as closed,
     ):
-        stream.recv(timeout=30.0)
+        stream.recv(timeout=PATIENCE)
 
     assert closed.value.rcvd.code == code
 
@@ -169,7 +168,7 @@ def test_while_somebody_else_holds_control_there_is_no_stream(spring, server):
         open_stream(server, TOPIC) as stream,
         pytest.raises(ConnectionClosed) as closed,
     ):
-        stream.recv(timeout=30.0)
+        stream.recv(timeout=PATIENCE)
 
     assert closed.value.rcvd.code == 4423
     assert "Ada holds control" in closed.value.rcvd.reason
@@ -188,7 +187,7 @@ def test_a_stream_ends_when_control_is_taken_by_force(spring, server):
 
 
 def _send_until_refused(stream):
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         stream.send([0.4])
 
@@ -209,10 +208,11 @@ def test_a_stream_leaves_events_with_its_counts(spring, server):
     with open_stream(server, TOPIC) as stream:
         stream.send("[0.5]")
         settled(stream, 1)
-    ended = []
-    deadline = time.monotonic() + 30.0
-    while len(ended) < 2 and time.monotonic() < deadline:
-        ended = spring.events(kinds=["command_stream"])
 
+    def both():
+        found = spring.events(kinds=["command_stream"])
+        return found if len(found) > 1 else []
+
+    ended = wait_until(both)
     assert [event.result for event in ended] == ["open", "closed"]
     assert ended[1].details["applied"] == 1

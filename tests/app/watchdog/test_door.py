@@ -4,12 +4,12 @@ import hashlib
 import json
 import select
 import socket
-import time
 
 import pytest
 
 from station.app.watchdog.door import CONNECTIONS, Door
 from tests.app.watchdog.bench import NOW, OPERATOR, VIEWER, Bench
+from tests.waiting import PATIENCE, wait_until
 
 
 class Visit:
@@ -35,7 +35,7 @@ class Visit:
 
     def connect(self):
         """Return a new client, which the door has taken."""
-        client = socket.create_connection(self._address, timeout=10.0)
+        client = socket.create_connection(self._address, timeout=PATIENCE)
         self.clients.append(client)
         select.select([self.door], [], [], 10.0)
         self.door.handle_request()
@@ -108,9 +108,7 @@ def test_a_stop_that_the_loop_carries_out_is_said_to_be(visit):
     client = visit.connect()
     head = f"POST /stop HTTP/1.1\r\nAuthorization: Bearer {VIEWER}\r\n\r\n"
     client.send(head.encode())
-    deadline = time.monotonic() + 10.0
-    while not visit.bench.heartbeat.is_stop_asked:
-        assert time.monotonic() < deadline
+    assert wait_until(lambda: visit.bench.heartbeat.is_stop_asked)
     visit.bench.heartbeat.confirm_stop()
 
     assert visit.answer(client)[1]["carried_out"] is True

@@ -1,16 +1,17 @@
 """Commands that make the drivers of real arms hold."""
 
 import sys
-import time
 
 from station.app.watchdog.watch import HoldCommands
+from tests.waiting import wait_until
 
 
 def wait(holds, count, now=0.0):
-    deadline = time.monotonic() + 20.0
-    while len(holds.outcomes) < count:
-        assert time.monotonic() < deadline
+    def are_there():
         holds.look(now)
+        return len(holds.outcomes) >= count
+
+    assert wait_until(are_there)
 
 
 def test_every_command_is_run_and_its_end_is_kept(tmp_path):

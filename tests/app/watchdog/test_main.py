@@ -10,6 +10,7 @@ import pytest
 
 from station.core.loop.heartbeat import PAGE_BYTES
 from tests.app.watchdog.bench import OPERATOR, VIEWER
+from tests.waiting import PATIENCE
 
 HEAVY = {"numpy", "fastapi", "pydantic", "mujoco", "uvicorn", "asyncio", "inspect"}
 LIST = "import sys, station.app.watchdog.__main__; print('\\n'.join(sys.modules))"
@@ -61,10 +62,10 @@ def test_it_ends_with_its_input(watchdog, tmp_path):
     watchdog.stdin.write(settings(tmp_path) + b'{"status": {"step": "x"}}\n')
     watchdog.stdin.close()
 
-    assert watchdog.wait(20.0) == 0
+    assert watchdog.wait(PATIENCE) == 0
 
 
 def test_it_ends_when_the_station_ends_before_it_sent_anything(watchdog):
     watchdog.stdin.close()
 
-    assert watchdog.wait(20.0) == 0
+    assert watchdog.wait(PATIENCE) == 0

@@ -3,7 +3,6 @@
 import os
 import signal
 import threading
-import time
 
 import pytest
 from typing_extensions import override
@@ -18,6 +17,7 @@ from station.core.parameters import Parameters, ParameterTree
 from station.core.ports.set_point import SetPointElement, SetPointPort
 from station.hw.mock.mock_robot_hw import MockRobotHW
 from station.testing.bench import Bench
+from tests.waiting import wait_until
 
 STATION = os.getpid()
 RAISES, HANGS = 8.0, 9.0
@@ -86,10 +86,7 @@ def running():
 
 def wait_until_idle(bench):
     beside = bench.manager.lifecycle.find("it").beside
-    deadline = time.monotonic() + 20.0
-    while not beside.is_idle():
-        assert time.monotonic() < deadline
-        os.sched_yield()
+    assert wait_until(beside.is_idle, pause=0.0)
 
 
 def step(bench, joints, cycles=2):

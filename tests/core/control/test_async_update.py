@@ -11,6 +11,7 @@ from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.ports.receipt import Receipt
 from station.testing.bench import Bench
+from tests.waiting import PATIENCE, wait_until
 
 
 class Slow(Controller[EffortJointInterface]):
@@ -34,7 +35,7 @@ class Slow(Controller[EffortJointInterface]):
     def update(self, time, period):
         self.begun.release()
         if self.is_held:
-            assert self.go.acquire(timeout=10.0)
+            assert self.go.acquire(timeout=PATIENCE)
         self.seen.append((round(time, 6), round(period, 6)))
         self.gains.append(self.tunables.values["gain"])
         if self.receipt is not None:
@@ -89,26 +90,25 @@ def test_a_cycle_does_not_wait_for_an_update_and_tells_its_age():
     slow.is_held = True
 
     assert step(bench, [0.01], joints) == [0.0]
-    assert slow.begun.acquire(timeout=10.0)
+    assert slow.begun.acquire(timeout=PATIENCE)
     assert step(bench, [0.02, 0.03, 0.04], joints) == [0.0, 0.0, 0.0]
 
     statistics = bench.status("slow").async_update
     assert (statistics.age, statistics.missed) == (4, 3)
     slow.is_held = False
     slow.go.release()
-    assert slow.ended.acquire(timeout=10.0)
+    assert slow.ended.acquire(timeout=PATIENCE)
     wait_until_idle(bench)
     assert step(bench, [0.05], joints) == [0.01]
     bench.manager.stop_all(bench.time)
 
 
 def wait_until_idle(bench):
-    """Wait until the thread waits for the next update, without sleeping."""
+    """Wait until the thread waits for the next update, giving way only."""
     beside = bench.manager.lifecycle.find("slow").beside
-    for _ in range(1_000_000):
-        if not (beside._is_busy or beside._is_ending):
-            return
-    raise AssertionError("the update does not end")
+    assert wait_until(lambda: not (beside._is_busy or beside._is_ending), pause=0.0), (
+        "the update does not end"
+    )
 
 
 def test_an_update_over_its_time_limit_stops_the_controller_alone():
@@ -131,20 +131,20 @@ def test_what_an_update_reads_counts_from_the_cycle_in_which_it_began():
     slow.receipt = Receipt(lambda: bench.manager.cycle)
     step(bench, [0.01], joints)
     begun = bench.manager.cycle
-    assert slow.begun.acquire(timeout=10.0)
+    assert slow.begun.acquire(timeout=PATIENCE)
     step(bench, [0.02, 0.03], joints)
     # A change in the meantime is for the next update.
     slow.tunables.apply({"gain": 2.0})
     slow.tunables.apply(slow.tunables.checked({"gain": 3.0}))
     slow.go.release()
-    assert slow.ended.acquire(timeout=10.0)
+    assert slow.ended.acquire(timeout=PATIENCE)
     assert slow.receipt.cycle == begun == bench.manager.cycle - 2
     assert slow.gains == [1.0]
     wait_until_idle(bench)
     slow.is_held = False
     step(bench, [0.04], joints)
-    assert slow.begun.acquire(timeout=10.0)
-    assert slow.ended.acquire(timeout=10.0)
+    assert slow.begun.acquire(timeout=PATIENCE)
+    assert slow.ended.acquire(timeout=PATIENCE)
     assert slow.gains == [1.0, 3.0]
     bench.manager.stop_all(bench.time)
 
@@ -163,13 +163,13 @@ def test_stopping_waits_for_the_update_in_its_thread_and_the_cycle_does_not():
     slow.is_held = True
     bench.manager.pump = None
     step(bench, [0.01], joints)
-    assert slow.begun.acquire(timeout=10.0)
+    assert slow.begun.acquire(timeout=PATIENCE)
 
     bench.manager.stop_all(bench.time)
     assert slow.calls == []
     slow.go.release()
-    assert slow.ended.acquire(timeout=10.0)
-    assert slow.ended.acquire(timeout=10.0)
+    assert slow.ended.acquire(timeout=PATIENCE)
+    assert slow.ended.acquire(timeout=PATIENCE)
 
     assert slow.calls == ["async Slow"]
     assert command(bench) == joints.position[0] * 0.0

@@ -17,6 +17,7 @@ from station.core.errors import (
 )
 from station.core.loop.control_loop import ControlLoop
 from station.testing.scripted import Scripted, ScriptedBench
+from tests.waiting import PATIENCE
 
 BEST_EFFORT = Strictness.BEST_EFFORT
 
@@ -268,7 +269,7 @@ def test_callers_are_served_one_after_the_other(threaded):
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(10.0)
+        thread.join(PATIENCE)
 
     assert failures == []
     assert all(threaded.state(name) == "running" for name in names)

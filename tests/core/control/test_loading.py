@@ -10,8 +10,7 @@ from station.core.errors import (
     ControllerLoadError,
 )
 from station.testing.scripted import Scripted, ScriptedBench
-
-PATIENCE = 30.0
+from tests.waiting import PATIENCE
 
 
 class Slow(Scripted):

@@ -6,8 +6,7 @@ import pytest
 
 from station.core.errors import SwitchRefusedError, SwitchTimeoutError
 from station.testing.scripted import ScriptedBench
-
-PATIENCE = 30.0
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture

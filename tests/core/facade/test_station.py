@@ -40,6 +40,7 @@ from station.core.ports.set_point import SetPointElement, SetPointPort
 from station.hw.combined_robot_hw import CombinedRobotHW
 from station.hw.mock import MockRobotHW
 from station.reports import Percentiles
+from tests.waiting import PATIENCE
 
 
 class Spring(Controller[EffortJointInterface]):
@@ -249,7 +250,7 @@ def _die(station):
 
     station.loop.hw.read = fail
     station.loop.start()
-    station.loop._thread.join(30.0)
+    station.loop._thread.join(PATIENCE)
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from station.core.parameters import Parameters
 from station.hw.mock import MockRobotHW
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
 from station.testing import Bench
+from tests.waiting import PATIENCE
 
 ROBOT = """
 <robot name="r"><link name="base"/><link name="column"><inertial><mass value="1"/>
@@ -44,7 +45,7 @@ class Device(MockRobotHW):
     def write(self, time, period):
         self.begun.release()
         if self.is_held:
-            assert self.go.acquire(timeout=10.0)
+            assert self.go.acquire(timeout=PATIENCE)
         self.calls.append((round(time, 6), round(period, 6)))
         super().write(time, period)
 
@@ -153,7 +154,7 @@ def test_a_cycle_does_not_wait_for_the_robot_and_tells_the_age_of_its_states():
 
     bench.step(4)
 
-    assert device.begun.acquire(timeout=10.0)
+    assert device.begun.acquire(timeout=PATIENCE)
     assert statistics(bench).missed == 3
     device.joints.position[0] = 0.25
     device.is_held = False
@@ -170,7 +171,7 @@ def test_a_switch_of_the_robot_waits_for_the_call_and_the_cycle_does_not():
     bench, hw, device = make()
     live(bench, device)
     bench.step()
-    assert device.begun.acquire(timeout=10.0)
+    assert device.begun.acquire(timeout=PATIENCE)
     before = list(device.switches)
 
     bench.manager.stop_all(bench.time)
@@ -188,7 +189,7 @@ def test_a_switch_that_fails_late_is_an_error_of_its_result():
     bench, hw, device = make()
     live(bench, device)
     bench.step()
-    assert device.begun.acquire(timeout=10.0)
+    assert device.begun.acquire(timeout=PATIENCE)
 
     def fail(*_):
         raise OSError("no answer")

@@ -8,6 +8,7 @@ from station.core.hardware.interfaces import JointStateHandle, JointStateInterfa
 from station.core.hardware.robot_hw import RobotHW
 from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
+from tests.waiting import PATIENCE
 
 PERIOD = 0.001
 
@@ -55,5 +56,5 @@ def run_thread(hw: OneJoint, loop: ControlLoop, cycles: int) -> None:
     """Run the thread of a loop for at least `cycles` cycles."""
     hw.cycles_wanted = cycles
     loop.start()
-    assert hw.cycles_done.wait(30.0)
+    assert hw.cycles_done.wait(PATIENCE)
     loop.stop()

@@ -12,6 +12,7 @@ from station.core.hardware.robot_hw import SimulatedWorld
 from station.core.loop.stop_latch import StopState
 from station.reports import LoopState
 from tests.core.loop.one_joint import PERIOD, OneJoint, make_loop, run_thread
+from tests.waiting import PATIENCE
 
 
 def test_step_runs_exactly_that_many_cycles_with_the_nominal_period():
@@ -96,7 +97,7 @@ def test_an_exception_ends_the_thread_and_is_kept():
     hw.fail_in_cycle = 3
     loop = make_loop(hw)
     loop.start()
-    loop._thread.join(30.0)
+    loop._thread.join(PATIENCE)
     assert loop.state is LoopState.FAILED
     assert loop.failure_summary() == "RuntimeError: the cable is out"
     assert "in read" in loop.report().failure
@@ -111,7 +112,7 @@ def test_no_exception_at_all_leaves_a_dead_loop_that_looks_alive(error):
     hw.fail_in_cycle, hw.error = 3, error
     loop = make_loop(hw)
     loop.start()
-    loop._thread.join(30.0)
+    loop._thread.join(PATIENCE)
     assert loop.state is LoopState.FAILED
     assert type(error).__name__ in loop.failure_summary()
     loop.stop()
@@ -141,7 +142,7 @@ def test_whoever_waits_when_the_loop_dies_is_told_at_once():
 
     hw.write = fail_once_somebody_waits
     loop.start()
-    assert begun.wait(30.0)
+    assert begun.wait(PATIENCE)
     with pytest.raises(LoopError, match="the cable is out"):
         loop.run_in_cycle(lambda: None, timeout=60.0)
     loop.stop()
@@ -159,7 +160,7 @@ def test_a_loop_that_dies_carries_a_stop_out_and_lists_nothing_as_running():
 
     hw.write = fail
     loop.start()
-    loop._thread.join(30.0)
+    loop._thread.join(PATIENCE)
     assert stopped == [pytest.approx(PERIOD)]
     assert not loop.stop_latch.pending
     assert loop.epoch == 2

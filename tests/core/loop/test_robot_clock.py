@@ -5,6 +5,7 @@ import pytest
 from station.core.clock import ManualClock
 from station.core.loop.stop_latch import StopState
 from tests.core.loop.one_joint import PERIOD, OneJoint, make_loop
+from tests.waiting import PATIENCE
 
 
 class PacedJoint(OneJoint):
@@ -30,7 +31,7 @@ def test_robot_with_a_clock_paces_the_thread_and_lost_states_lengthen_a_period()
     hw = PacedJoint(1, 1, 0, 0, 4, 1)
     loop = hw.loop = make_loop(hw)
     loop.start()
-    loop._thread.join(30.0)
+    loop._thread.join(PATIENCE)
     loop.stop()
     assert [period for period in hw.periods if period] == pytest.approx([
         PERIOD,
@@ -46,7 +47,7 @@ def test_stop_is_carried_out_while_a_robot_with_a_clock_is_silent():
     hw = PacedJoint(1, 0, 0)
     loop = hw.loop = make_loop(hw)
     loop.start()
-    loop._thread.join(30.0)
+    loop._thread.join(PATIENCE)
     loop.stop()
     assert loop.stop_latch.state is StopState.STOPPED
     assert loop.time == pytest.approx(PERIOD)
@@ -67,7 +68,7 @@ def test_lateness_is_counted_from_the_state_before():
     hw = Arriving(*arrivals)
     loop = hw.loop = make_loop(hw, clock)
     loop.start()
-    loop._thread.join(30.0)
+    loop._thread.join(PATIENCE)
     loop.stop()
     report = loop.report()
     assert report.lateness.max == pytest.approx(0.0032, abs=1e-8)

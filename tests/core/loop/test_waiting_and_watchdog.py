@@ -14,6 +14,7 @@ from station.core.parameters import Parameters
 from station.core.scheduling import CYCLE_SWITCH_INTERVAL, SWITCH_INTERVAL
 from station.reports import LoopState
 from tests.core.loop.one_joint import PERIOD, OneJoint, make_loop, run_thread
+from tests.waiting import PATIENCE
 
 
 class SteppedClock(ManualClock):
@@ -53,7 +54,7 @@ def test_a_stop_takes_effect_within_10_ms_at_the_smallest_factor(rate, paused):
     manager.stop_all = stop_all
     clock.action = lambda: loop.stop_latch.engage("test")
     loop.start()
-    assert carried_out.wait(30.0)
+    assert carried_out.wait(PATIENCE)
     loop.stop()
 
     assert stopped_at[0] - clock.done_at <= 0.01
@@ -83,7 +84,7 @@ def test_an_operation_that_changes_the_factor_ends_the_wait_for_the_old_deadline
     hw.read = read
     clock.action = hasten
     loop.start()
-    assert first_cycle.wait(30.0)
+    assert first_cycle.wait(PATIENCE)
     loop.stop()
 
     assert began[0] - start < 0.05
@@ -112,7 +113,7 @@ def test_every_wake_up_leaves_its_time_in_the_heartbeat(paused):
             before = clock.now()
             loop.run_in_cycle(lambda: None)
             assert loop.heartbeat.beats[0] > before - 0.5
-            assert loop.age() < 5.0
+            assert loop.age() < PATIENCE
         assert loop.heartbeat.life is LoopLife.RUNNING
     finally:
         loop.stop()
@@ -124,7 +125,7 @@ def test_a_dead_thread_is_told_in_the_heartbeat():
     hw.fail_in_cycle = 3
     loop = make_loop(hw)
     loop.start()
-    loop._thread.join(30.0)
+    loop._thread.join(PATIENCE)
     assert loop.heartbeat.life is LoopLife.DIED
     loop.stop()
 

@@ -5,6 +5,7 @@ import threading
 import pytest
 
 from station.core.toolbox.realtime import RealtimePublisher
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -23,7 +24,7 @@ def test_messages_are_published_in_order():
     with RealtimePublisher(publish) as publisher:
         for number in range(1, 4):
             assert publisher.try_publish(number)
-            assert arrived.acquire(timeout=5.0)
+            assert arrived.acquire(timeout=PATIENCE)
 
     assert seen == [1, 2, 3]
     assert publisher.dropped == 0
@@ -39,7 +40,7 @@ def test_what_nobody_has_picked_up_yet_drops_the_next(gate):
 
     with RealtimePublisher(slow) as publisher:
         assert publisher.try_publish("first")
-        assert begun.acquire(timeout=5.0)
+        assert begun.acquire(timeout=PATIENCE)
         assert publisher.try_publish("second")
         assert not publisher.try_publish("third")
         gate.release(2)

@@ -84,7 +84,7 @@ def test_a_loop_that_dies_is_found():
         robot.__class__ = Fragile
         return robot
 
-    report = storm(create, operations=2000, deadline=1.0)
+    report = storm(create, operations=2000)
 
     assert "the loop died: RuntimeError: no bus" in str(report)
 

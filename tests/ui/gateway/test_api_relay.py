@@ -23,8 +23,7 @@ from tests.api.spring import make_station
 from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER, FakeStation
 from tests.ui.served import Served
-
-_PATIENCE = 5.0
+from tests.waiting import PATIENCE
 
 
 def _station(url):
@@ -164,7 +163,7 @@ def test_a_stream_waits_for_the_station_and_has_its_frames_without_asking_again(
         with pytest.raises(TimeoutError):
             socket.recv(timeout=0.05)
         httpx.get(served[2] + "/find")
-        assert "hello" in socket.recv(timeout=30.0)
+        assert "hello" in socket.recv(timeout=PATIENCE)
 
 
 def test_a_stream_that_waits_for_the_station_ends_with_its_session(served, page):
@@ -173,7 +172,7 @@ def test_a_stream_that_waits_for_the_station_ends_with_its_session(served, page)
         with _socket(served, "loop") as socket:
             httpx.get(served[2] + "/log_out")
             with pytest.raises(ConnectionClosed) as end:
-                socket.recv(timeout=30.0)
+                socket.recv(timeout=PATIENCE)
     finally:
         httpx.get(served[2] + "/find")
         page.logged_out.clear()
@@ -182,12 +181,12 @@ def test_a_stream_that_waits_for_the_station_ends_with_its_session(served, page)
 
 def test_frames_of_a_stream_reach_the_browser(served):
     with _socket(served, "joint_states") as socket:
-        assert "hello" in socket.recv(timeout=30.0)
+        assert "hello" in socket.recv(timeout=PATIENCE)
 
 
 def test_streams_off_the_list_are_closed_with_a_code(served):
     with _socket(served, "secrets") as socket, pytest.raises(ConnectionClosed) as end:
-        socket.recv(timeout=30.0)
+        socket.recv(timeout=PATIENCE)
     assert end.value.rcvd.code == 4404
 
 
@@ -228,7 +227,7 @@ def test_a_change_is_not_begun_long_after_it_was_asked_for():
             httpx.delete(f"{at}/playback")  # An end is right however late it comes.
             httpx.get(gateway.url + "/close")
     late = float(seen.pop(("POST", "/api/v1/controllers/switch"))) - 1000.0
-    assert BEGIN_WITHIN <= late < BEGIN_WITHIN + _PATIENCE
+    assert BEGIN_WITHIN <= late < BEGIN_WITHIN + PATIENCE
     assert set(seen.values()) == {None}
 
 

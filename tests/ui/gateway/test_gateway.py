@@ -22,6 +22,7 @@ from station.ui.sessions.sessions import Role, Sessions
 from station.web.failed_logins import FailedLogins
 from station.wire import StopState
 from tests.ui.served import Served
+from tests.waiting import PATIENCE
 
 ROLES = {"good": Role.OPERATOR, "watch": Role.VIEWER}
 START = StationAccess("http://station", "of the start", "")
@@ -254,7 +255,7 @@ def test_the_api_is_asked_with_the_credential_of_the_session(browser):
         assert socket.recv() == "watch"
         browser.post("/logout", headers=_own(browser))
         with pytest.raises(ConnectionClosed) as closed:
-            socket.recv(timeout=30.0)
+            socket.recv(timeout=PATIENCE)
     assert closed.value.rcvd.code == 4401
 
 
@@ -366,12 +367,12 @@ def test_logging_out_ends_the_socket_of_that_session_alone(browser, gateway):
             browser.post("/logout", headers=_own(browser))
 
             with pytest.raises(ConnectionClosed):
-                mine.recv(timeout=30.0)
+                mine.recv(timeout=PATIENCE)
             with pytest.raises(TimeoutError):
                 kept.recv(timeout=0.1)
             other.post("/logout", headers=_own(other))
             with pytest.raises(ConnectionClosed):
-                kept.recv(timeout=30.0)
+                kept.recv(timeout=PATIENCE)
 
 
 def test_wrong_tokens_are_held_back_and_right_ones_are_not(browser, station):
@@ -390,7 +391,7 @@ def test_a_body_is_refused_before_it_arrives(browser):
         f"POST /login HTTP/1.1\r\nHost: {url.host}:{url.port}\r\n"
         f"Origin: {_own(browser)['Origin']}\r\n"
     )
-    with socket.create_connection((url.host, url.port), timeout=5.0) as raw:
+    with socket.create_connection((url.host, url.port), timeout=PATIENCE) as raw:
         raw.sendall(f"{head}Content-Length: 398458880\r\n\r\n".encode())
         assert raw.recv(65536).startswith(b"HTTP/1.1 413")
 

@@ -17,6 +17,7 @@ from station.ui.gateway.viser_relay import ViserRelay
 from station.ui.sessions.sessions import Role, Sessions
 from tests.ui.bench import CAMERA
 from tests.ui.served import Served
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -68,7 +69,7 @@ def test_a_viewer_sees_the_scene_but_its_values_do_not_arrive(
     with _connect(f"{relayed}/operator") as operator:
         operator.send(msgspec.msgpack.encode(CAMERA))
         with _connect(f"{relayed}/viewer") as viewer:
-            assert isinstance(viewer.recv(timeout=30.0), bytes)
+            assert isinstance(viewer.recv(timeout=PATIENCE), bytes)
             viewer.send(_value(slider, 0.9))
             # Sent after it: when this has arrived, the other would have, too.
             operator.send(_value(slider, 0.3))
@@ -81,7 +82,7 @@ def test_visers_close_code_reaches_the_browser(relayed):
         _connect(f"{relayed}/operator", version="0.0.0") as socket,
         pytest.raises(ConnectionClosed) as closed,
     ):
-        socket.recv(timeout=30.0)
+        socket.recv(timeout=PATIENCE)
     assert closed.value.rcvd.code == 1002
     assert "Version mismatch" in closed.value.rcvd.reason
 
@@ -106,7 +107,7 @@ def test_the_socket_is_closed_when_its_session_ends(shared_bench):
         _connect(f"{served.url.replace('http', 'ws')}/ui") as socket,
     ):
         socket.send(msgspec.msgpack.encode(CAMERA))
-        assert isinstance(socket.recv(timeout=30.0), bytes)
+        assert isinstance(socket.recv(timeout=PATIENCE), bytes)
         httpx.get(f"{served.url}/logout")
         with pytest.raises(ConnectionClosed) as closed:
             _read_to_the_end(socket)
@@ -116,7 +117,7 @@ def test_the_socket_is_closed_when_its_session_ends(shared_bench):
 
 def _read_to_the_end(socket):
     while True:
-        socket.recv(timeout=30.0)
+        socket.recv(timeout=PATIENCE)
 
 
 def test_the_page_comes_with_visers_secret(shared_bench):

@@ -15,9 +15,9 @@ from station.ui.page.workspace_routes import WorkspaceParts, WorkspaceRoutes
 from station.ui.sessions.sessions import Role, Sessions
 from tests.ui.served import Served
 from tests.ui.views import controller, element, sample, view
+from tests.waiting import PATIENCE
 
 NAMES = ("joint1", "joint2")
-_PATIENCE = 5.0
 
 
 class _Client:
@@ -111,7 +111,7 @@ def _address(served):
 
 def _read_to_the_end(desk):
     while True:
-        desk.recv(timeout=_PATIENCE)
+        desk.recv(timeout=PATIENCE)
 
 
 def _say(desk, **message):
@@ -166,7 +166,7 @@ def test_the_gateway_answers_while_yaml_is_read_or_written(
 
     def wait(*_args, **_kinds):
         is_at_work.set()
-        assert may_end.wait(_PATIENCE)
+        assert may_end.wait(PATIENCE)
         raise ConfigError(["a is 1."], remedy="")
 
     monkeypatch.setattr(workspace_routes, "parse_yaml", wait)
@@ -175,7 +175,7 @@ def test_the_gateway_answers_while_yaml_is_read_or_written(
         target=lambda: httpx.post(f"{browser.base_url}{path[1:]}", content=body)
     )
     asking.start()
-    assert is_at_work.wait(_PATIENCE)
+    assert is_at_work.wait(PATIENCE)
     try:
         assert browser.get("/state").status_code == 200
     finally:
@@ -239,5 +239,5 @@ def test_viewers_have_no_desk(served, bench):
         connect(_address(served), proxy=None) as socket,
         pytest.raises(ConnectionClosed) as closed,
     ):
-        socket.recv(timeout=_PATIENCE)
+        socket.recv(timeout=PATIENCE)
     assert closed.value.rcvd.code == 4403

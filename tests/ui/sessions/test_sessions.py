@@ -4,6 +4,7 @@ import asyncio
 
 from station.ui.sessions import sessions as module
 from station.ui.sessions.sessions import SESSION_LIFETIME, Role, Sessions
+from tests.waiting import PATIENCE
 
 
 class _Time:
@@ -71,7 +72,7 @@ def test_waiting_ends_when_the_session_is_closed_dropped_or_expired(monkeypatch)
         await asyncio.sleep(0)
         assert not waiting.done()
         end(session)
-        await asyncio.wait_for(waiting, 30.0)
+        await asyncio.wait_for(waiting, PATIENCE)
 
     asyncio.run(wait(lambda session: sessions.close(session.identifier)))
     asyncio.run(wait(lambda _: sessions.open(Role.VIEWER)))

@@ -16,6 +16,7 @@ from station.ui.teleoperation.teleoperation import Teleoperation
 from station.ui.teleoperation.teleoperation_socket import TeleoperationSocket
 from tests.ui.served import Served
 from tests.ui.views import controller, element, sample, status, view
+from tests.waiting import PATIENCE
 
 NAMES = ("joint1", "joint2")
 VIEW = view(
@@ -23,7 +24,6 @@ VIEW = view(
     elements={"arm": tuple(element(name) for name in NAMES)},
     samples={"arm": sample(1.0, desired=0.1, names=NAMES)},
 )
-_PATIENCE = 5.0
 
 
 class _Client:
@@ -77,7 +77,7 @@ def _say(desk, **message):
 def _hear(desk, wanted):
     """Return the first message of the desk that `wanted` accepts."""
     for _ in range(50):
-        told = json.loads(desk.recv(timeout=_PATIENCE))
+        told = json.loads(desk.recv(timeout=PATIENCE))
         if wanted(told):
             return told
     pytest.fail("the desk does not say it")
@@ -123,7 +123,7 @@ def test_a_stop_ends_a_motion_without_a_reproach(desk, client):
     client.refusal = ApiError("The station is stopped.", status=409, code="stopped")
     told = []
     _hear(desk, lambda one: told.append(one) or one["remaining"] == 0.0)
-    told.extend(json.loads(desk.recv(timeout=30.0)) for _ in range(2))
+    told.extend(json.loads(desk.recv(timeout=PATIENCE)) for _ in range(2))
     assert not any("refused" in one for one in told)
 
 

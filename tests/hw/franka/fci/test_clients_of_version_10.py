@@ -21,6 +21,7 @@ from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.arm.arm_limits import FR3_LIMITS
 from station.hw.franka.fci.server.robot_model import write_robot_model
 from tests.hw.franka.fci.clients_of_version_10 import ASIDE, TURN
+from tests.waiting import PATIENCE
 
 # Both register the same C++ types, so that one process can import only one of them.
 _MISSING = [name for name in ("pylibfranka", "franky") if find_spec(name) is None]
@@ -59,7 +60,7 @@ def seen(tmp_path_factory):
             found[name] = json.loads(client.stdout)
     finally:
         server.terminate()
-        left, _ = server.communicate(timeout=10.0)
+        left, _ = server.communicate(timeout=PATIENCE)
     assert " 0 commands lost" in left
     return found
 

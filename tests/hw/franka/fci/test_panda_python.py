@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import PATIENCE
+
 pytest.importorskip("panda_py")
 pytestmark = [pytest.mark.slow, pytest.mark.alone]
 
@@ -68,7 +70,7 @@ def seen(tmp_path_factory):
         client = run_client(HOST, *SCENARIOS)
     finally:
         server.terminate()
-        left, _ = server.communicate(timeout=10.0)
+        left, _ = server.communicate(timeout=PATIENCE)
     assert client.returncode == 0, client.stderr
     assert server.returncode == 0
     assert " 0 commands lost" in left

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.hw.franka.fci.desk.desk_bench import client_of, take
+from tests.waiting import PATIENCE
 
 pytest.importorskip("panda_py")
 pytestmark = [pytest.mark.slow, pytest.mark.alone]
@@ -35,7 +36,7 @@ def url(tmp_path):
     assert "Franka Control Interface" in server.stdout.readline()
     yield re.search(r"https://[0-9.:]+", line)[0]
     server.terminate()
-    server.communicate(timeout=10.0)
+    server.communicate(timeout=PATIENCE)
     assert server.returncode == 0
 
 

@@ -12,6 +12,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from tests.hw.franka.fci.desk.desk_bench import HAND, take
+from tests.waiting import PATIENCE
 
 
 def test_unlocking_of_the_present_interface(desk, client):
@@ -157,7 +158,7 @@ def listen(url, path, cookie=None):
 
 def test_joints_are_told_and_buttons_are_not_pressed(url):
     with listen(url, "robot/configuration", "x") as socket:
-        assert json.loads(socket.recv(timeout=30.0)) == {"jointAngles": [0.1] * 7}
+        assert json.loads(socket.recv(timeout=PATIENCE)) == {"jointAngles": [0.1] * 7}
     with listen(url, "navigation/events", "x") as socket, pytest.raises(TimeoutError):
         socket.recv(timeout=0.0)
     with pytest.raises(InvalidStatus, match="403"):

@@ -25,6 +25,7 @@ from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
 from station.hw.franka.fci.wire.robot_protocol import PANDA, Command, MoveStatus
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from tests.hw.franka.fci.server.robot_client import answers, request
+from tests.waiting import PATIENCE
 
 HOST = f"127.19.{os.getpid() // 250 % 250}.{os.getpid() % 250 + 1}"
 
@@ -89,7 +90,7 @@ class Served:
 
     def connect(self):
         """Return a client's socket that has connected."""
-        client = socket.create_connection((HOST, PANDA.port), timeout=1.0)
+        client = socket.create_connection((HOST, PANDA.port), timeout=PATIENCE)
         self.ask(client, Command.CONNECT, {"version": 5, "udp_port": 4711})
         return client
 
@@ -110,7 +111,7 @@ def served():
 def test_fci_that_is_off_refuses_connections_and_sends_clients_away(served):
     served.run()
     with pytest.raises(ConnectionRefusedError):
-        socket.create_connection((HOST, PANDA.port), timeout=1.0)
+        socket.create_connection((HOST, PANDA.port), timeout=PATIENCE)
     done = served.desk.set_fci(active=True)
     served.run()
     assert done.done()
@@ -119,7 +120,7 @@ def test_fci_that_is_off_refuses_connections_and_sends_clients_away(served):
         served.run()
         assert client.recv(1) == b""
     with pytest.raises(ConnectionRefusedError):
-        socket.create_connection((HOST, PANDA.port), timeout=1.0)
+        socket.create_connection((HOST, PANDA.port), timeout=PATIENCE)
 
 
 def test_closed_brakes_refuse_motions_and_end_them(served):

@@ -6,6 +6,7 @@ import pytest
 
 from station.hw.franka.fci.driver.network import SLICE, FciNetwork, FciNetworkError
 from tests.hw.franka.fci.server.server_bench import HOST
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -28,7 +29,7 @@ def joined(listener):
 def robot_udp():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as opened:
         opened.bind((HOST, 0))
-        opened.settimeout(1.0)
+        opened.settimeout(PATIENCE)
         yield opened
 
 

@@ -16,6 +16,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
 )
 from tests.hw.franka.fci.server.robot_client import answers, request
 from tests.hw.franka.scripted_arm import ScriptedArm
+from tests.waiting import PATIENCE
 
 # A loopback address of this process alone: libfranka's ports are fixed.
 HOST = f"127.18.{os.getpid() // 250 % 250}.{os.getpid() % 250 + 1}"
@@ -38,11 +39,11 @@ class Bench:
 
     def open(self):
         """Return a TCP and a UDP socket of a new client, the former connected."""
-        tcp = socket.create_connection(ROBOT, timeout=1.0)
+        tcp = socket.create_connection(ROBOT, timeout=PATIENCE)
         udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.sockets += [tcp, udp]
         udp.bind(("0.0.0.0", 0))  # as libfranka does
-        udp.settimeout(1.0)
+        udp.settimeout(PATIENCE)
         self.run()
         return tcp, udp
 

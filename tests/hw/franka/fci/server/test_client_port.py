@@ -15,6 +15,7 @@ from tests.hw.franka.fci.server.server_bench import (
     command,
     newest,
 )
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -27,7 +28,7 @@ def bench():
 def test_second_client_is_refused_until_the_first_has_gone(bench):
     tcp, _ = bench.connect()
     with pytest.raises(ConnectionRefusedError):
-        socket.create_connection(ROBOT, timeout=1.0)
+        socket.create_connection(ROBOT, timeout=PATIENCE)
     tcp.close()
     bench.run()
     bench.connect()
@@ -95,7 +96,7 @@ def test_client_of_another_version_can_connect_as_soon_as_it_has_the_answer(
         tcp.sendall(request(Command.CONNECT, 1, {"version": version}))
         bench.run()
         # The client has closed nothing when it tries again.
-        with socket.create_connection(ROBOT, timeout=1.0):
+        with socket.create_connection(ROBOT, timeout=PATIENCE):
             assert answers(tcp.recv(100)) == [
                 (Command.CONNECT, 1, {"status": 1, "version": 5})
             ]

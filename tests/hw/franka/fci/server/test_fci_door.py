@@ -27,6 +27,7 @@ from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 from tests.hw.franka.fci.server.server_bench import HOST
+from tests.waiting import PATIENCE
 
 
 class Door:
@@ -35,7 +36,7 @@ class Door:
     def __init__(self):
         memory = bytearray(MEMORY_BYTES)
         self.station, pipe = socket.socketpair()
-        self.station.settimeout(5.0)
+        self.station.settimeout(PATIENCE)
         self.page, self._pipe = SharedPage(memory), pipe
         self.hand_page = SharedPage(memory, PAGE_BYTES)
         hand = SharedPage(memory, PAGE_BYTES)
@@ -59,7 +60,7 @@ class Door:
     def close(self):
         """End the door, as a station that goes does."""
         self.station.shutdown(socket.SHUT_WR)
-        self._thread.join(30.0)
+        self._thread.join(PATIENCE)
         assert not self._thread.is_alive()
         self._pipe.close()
         self.station.close()
@@ -86,7 +87,7 @@ def door():
 def client():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
         udp.bind(("0.0.0.0", 0))  # as libfranka does
-        udp.settimeout(5.0)
+        udp.settimeout(PATIENCE)
         yield udp
 
 

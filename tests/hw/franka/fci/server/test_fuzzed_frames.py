@@ -30,6 +30,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
 )
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from tests.hw.franka.fci.server.robot_client import answers, request
+from tests.waiting import PATIENCE
 
 # A loopback address of this process alone: libfranka's ports are fixed.
 HOST = f"127.20.{os.getpid() // 250 % 250}.{os.getpid() % 250 + 1}"
@@ -102,7 +103,9 @@ class Sockets:
             self.tcp.close()
             self.tcp = None
             self.run(2)
-        self.tcp = socket.create_connection((HOST, self.protocol.port), timeout=5.0)
+        self.tcp = socket.create_connection(
+            (HOST, self.protocol.port), timeout=PATIENCE
+        )
         left = iter(range(3))
         self.tcp.sendall(connection(self.protocol, self.udp.getsockname()[1]))
         self.server.run(lambda: next(left, None) is None)
