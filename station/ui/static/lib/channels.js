@@ -39,12 +39,6 @@ export async function sample(source) {
   });
 }
 
-/** Return the source that says what a joint is told by the controller that moves it. */
-function controllerOf(joint) {
-  const name = store.docks.operated.names.find((each) => store.controller(each)?.resources.includes(joint));
-  return `controller_state/${name}`;
-}
-
 /** Follow the sources of the wanted channels, and only them. */
 export class Channels {
   /** `hear(key, time [s], value)` takes every number of a wanted channel, at most so many a second. */
@@ -57,7 +51,9 @@ export class Channels {
     const paths = new Map(); // of the wanted channels by their keys, by source
     for (const key of keys) {
       const [source, path] = addressOf(key).split("|");
-      const id = source === "controller_state/*" ? controllerOf(path.split("@")[1]) : source;
+      const joint = path.split("@")[1];
+      // What a joint is told, the controller says that moves it.
+      const id = source.replace("*", () => store.docks.operated.names.find((each) => store.controller(each)?.resources.includes(joint)));
       if (!paths.has(id)) paths.set(id, new Map());
       paths.get(id).set(key, path);
     }

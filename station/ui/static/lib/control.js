@@ -37,15 +37,12 @@ class Control {
   }
 
   heard(state) {
-    if (this.state.mine && !state.mine) this.lost(state);
+    const { owner } = state;
+    const isLost = this.state.mine && !state.mine; // to somebody else, or nobody, without this page giving it back
+    const detail = owner ? `${owner} has taken control.` : "Control has expired: the station heard nothing from this dashboard.";
+    if (isLost) refusals.add({ code: "control_held", detail, remedy: owner ? "Your changes are refused until control is yours again." : "Take it again before you go on." });
     this.state = state;
     this.draw();
-  }
-
-  /** Control has gone to somebody else, or nobody, without this page giving it back. */
-  lost({ owner }) {
-    const detail = owner ? `${owner} has taken control.` : "Control has expired: the station heard nothing from this dashboard.";
-    refusals.add({ code: "control_held", detail, remedy: owner ? "Your changes are refused until control is yours again." : "Take it again before you go on." });
   }
 
   open({ asking = false }) {

@@ -76,7 +76,6 @@ export class JointSlider {
     this.offset = away; // the thumb does not jump under the pointer
     this.held = this.command;
     this.element.classList.add("held");
-    return undefined;
   }
 
   drag(event) {

@@ -18,8 +18,9 @@ export const dashOf = (i) => DASHES[((i % COLOURS) + Math.floor(i / COLOURS)) % 
 /** Return a piece of a trace for the legend, dashed as in the plot. */
 export const swatch = (i) => html`<svg aria-hidden="true"><line x1="0" y1="4" x2="12" y2="4" stroke-dasharray=${dashOf(i).join(" ")} /></svg>`;
 
-/** Return the ends of an axis for values from `low` to `high`. */
+/** Return the ends of an axis for values from `low` to `high`, if there are any. */
 function withRoom(low, high) {
+  if (!Number.isFinite(low)) return { min: -1, max: 1 };
   const room = Math.max((high - low) * 0.08, Math.max(Math.abs(high), 1) * 1e-3);
   return { min: low - room, max: high + room };
 }
@@ -152,11 +153,11 @@ export class Plot extends Chart {
 
   /** Put the second cursor where the first is, or take it away when it is there. */
   fix() {
-    if (!this.isOverTime) return undefined;
-    if (this.seek) return this.cursor === null ? undefined : this.seek(this.cursor);
+    if (!this.isOverTime) return;
+    if (this.seek) return void (this.cursor === null || this.seek(this.cursor));
     const isThere = this.fixed !== null && this.cursor !== null && Math.abs(this.cursor - this.fixed) < this.span / 100;
     this.fixed = isThere ? null : this.cursor;
-    return this.moved();
+    this.moved();
   }
 
   /** The keys of a plot: arrows move the cursor, Enter fixes the second, + and − zoom. */
@@ -193,10 +194,7 @@ export class Plot extends Chart {
   options() {
     const digits = (step) => Math.min(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), 5);
     const texts = (unit) => (_, values, __, ___, step) => values.map((value) => number(value, digits(step)) + unit);
-    const range = (_, low, high) => {
-      const { min, max } = low === null ? { min: -1, max: 1 } : withRoom(low, high);
-      return [min, max];
-    };
+    const range = (_, low, high) => Object.values(withRoom(low, high));
     const unit = this.isAcross ? this.traces[0].unit : this.isSpectrum ? "Hz" : "s";
     const [marker, dim] = [this.colour("--marker"), this.colour("--dim")];
     this.key = this.keyOf();
@@ -249,7 +247,7 @@ export class Plot extends Chart {
 
   /** Draw the plot; `newest` is the present station time [s]. */
   draw(newest) {
-    if (!this.isRoomy) return undefined;
+    if (!this.isRoomy) return;
     const end = this.end ?? newest;
     const begin = end - this.span;
     if (this.chart && this.key !== this.keyOf()) this.forget();
@@ -258,8 +256,7 @@ export class Plot extends Chart {
     const held = JSON.stringify([this.end, this.span, this.chart.width, this.chart.height]);
     if (this.end !== null && this.drawn?.held === held && this.drawn.traces === this.traces) {
       if (this.drawn.fixed !== this.fixed || this.drawn.markers !== this.markers) this.chart.redraw(false);
-      Object.assign(this.drawn, { fixed: this.fixed, markers: this.markers });
-      return undefined;
+      return void Object.assign(this.drawn, { fixed: this.fixed, markers: this.markers });
     }
     this.drawn = { held, traces: this.traces, fixed: this.fixed, markers: this.markers };
     const [min, max] = this.isSpectrum ? [0, Math.max(...this.traces.map(({ history }) => history.times.at(-1) ?? 0)) || 1] : [begin, end];
@@ -268,7 +265,6 @@ export class Plot extends Chart {
       this.chart.setScale("x", { min, max });
     });
     this.hear(this.chart.cursor.left); // the picture may have moved under the pointer
-    return undefined;
   }
 
   /** Lay all traces but the first over the first, from `begin` to `end` [s]. */
@@ -281,8 +277,7 @@ export class Plot extends Chart {
     });
     const range = (axis) => {
       const all = this.curves.flat().map((point) => point[axis]);
-      const [low, high] = all.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
-      return all.length ? withRoom(low, high) : { min: -1, max: 1 };
+      return withRoom(...all.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]));
     };
     this.chart.batch(() => {
       this.chart.setScale("x", range(0));

@@ -18,10 +18,7 @@ export function watchScene(view, line, docks) {
     if (missing) return show(line, `There is no picture. ${missing}`);
     same = drawn > 0 && now <= drawn ? same + 1 : 0;
     drawn = Math.max(drawn, now);
-    if (drawn > 0 && wanted !== null && (drawn >= wanted || same > SETTLED_LOOKS)) {
-      line.hidden = true;
-      return undefined;
-    }
+    if (drawn > 0 && wanted !== null && (drawn >= wanted || same > SETTLED_LOOKS)) return void (line.hidden = true);
     const late = Date.now() - began > LONG_MS ? ` This takes long; everything else works already.${inside.__viserTestpoints ? "" : " Reload the page if it stays so."}` : "";
     const count = `${drawn.toLocaleString("en")}${wanted ? ` of ${wanted.toLocaleString("en")}` : ""}`;
     const connected = drawn ? `3D view: loading the robots (${count} triangles) …` : "3D view: connecting …";

@@ -42,6 +42,11 @@ class Store extends EventTarget {
     return this.bar.stop_state;
   }
 
+  /** Return whether an arm is in a mode of the robot; any arm, without a name. */
+  isArmIn(mode, arm) {
+    return Boolean(this.docks?.arms.some((one) => one.robot_mode === mode && (!arm || one.arm_id === arm)));
+  }
+
   start() {
     follow("joint_states", "rate=30", (frame) => {
       this.joints = frame.data;
@@ -140,17 +145,11 @@ export async function enableSliders() {
   store.docks.enabling = { ...wanted, reason: wanted.reason || ENABLING };
   store.dispatchEvent(new Event("docks"));
   try {
-    await startWanted(wanted);
+    const { name, type, parameters, also, replaces } = wanted;
+    const params = type && (await send("POST", "/workspace/parameters", parameters)).params;
+    if (!type || (await act("POST", "/controllers", { name, type, params }))) await act("POST", "/controllers/switch", { start: [name, ...also], stop: replaces });
   } finally {
     store.isEnabling = false;
     await store.refresh();
   }
-}
-
-async function startWanted(wanted) {
-  if (wanted.type) {
-    const read = await send("POST", "/workspace/parameters", wanted.parameters);
-    if (!(await act("POST", "/controllers", { name: wanted.name, type: wanted.type, params: read.params }))) return;
-  }
-  await act("POST", "/controllers/switch", { start: [wanted.name, ...wanted.also], stop: wanted.replaces });
 }

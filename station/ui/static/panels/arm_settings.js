@@ -49,9 +49,10 @@ class ArmSettings extends Panel {
   }
 
   view() {
-    const guide = () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh());
+    const isGuided = store.isArmIn("guiding", this.armName);
+    const guide = () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !isGuided }).then(() => store.refresh());
     return html`<details class="arm" @toggle=${() => this.read()}><summary>Arm: collision thresholds, load, end effector</summary><p class="hint">${this.says}</p>
-      <div class="line" ?hidden=${!store.docks?.simulation}>${press(this.isGuided ? "Guiding off" : "Guiding on", "Press the guiding buttons, so that the simulated arm can be pushed by hand.", guide, { needs: "change", off: () => this.isMoving, pressed: this.isGuided })}</div>
+      <div class="line" ?hidden=${!store.docks?.simulation}>${press(isGuided ? "Guiding off" : "Guiding on", "Press the guiding buttons, so that the simulated arm can be pushed by hand.", guide, { needs: "change", off: () => store.isArmIn("move", this.armName), pressed: isGuided })}</div>
       ${SETTINGS.map((setting) => this.group(setting))}</details>`;
   }
 
@@ -63,7 +64,7 @@ class ArmSettings extends Panel {
       const [label, unit, , example] = one;
       return html`<label>${label} <input class="value wide" placeholder=${example ? `e.g. ${example}` : ""} aria-label=${keyOf(label)} .value=${live(textOf(one))} @input=${({ target }) => this.typed.set(keyOf(label), target.value)} /> ${unit}</label>`;
     };
-    const off = () => this.isMoving || fields.some((one) => !textOf(one).trim());
+    const off = () => store.isArmIn("move", this.armName) || fields.some((one) => !textOf(one).trim());
     return html`<div class="group"><b>${title}</b>${fields.map(field)}${press("Set", "", () => this.set(setting, fields.map(textOf)), { name: `Set ${title}`, needs: "change", off })}</div>`;
   }
 
@@ -71,10 +72,10 @@ class ArmSettings extends Panel {
     const values = texts.map((text) => text.split(/[,\s]+/).filter(Boolean).map(typed));
     if (values.some((list) => list.includes(null))) return refusals.add({ code: "not_a_number", detail: `${title}: type numbers, separated by commas.` });
     const arm = await act("GET", `/robots/${this.armName}/state`);
-    if (!arm || !(await act("PUT", `/robots/${this.armName}/${route}`, body(values, arm)))) return undefined;
+    if (!arm || !(await act("PUT", `/robots/${this.armName}/${route}`, body(values, arm)))) return;
     for (const [label, , of] of fields) if (of) this.typed.delete(`${title}: ${label}`); // shown as the arm has it from now on
     this.says = `Set: ${title.toLowerCase()}.`;
-    return this.read();
+    this.read();
   }
 
   /** The arm whose settings these are. */
@@ -97,17 +98,6 @@ class ArmSettings extends Panel {
     this.refresh();
   }
 
-  get mode() {
-    return store.docks?.arms.find((arm) => arm.arm_id === this.armName)?.robot_mode;
-  }
-
-  get isMoving() {
-    return this.mode === "move";
-  }
-
-  get isGuided() {
-    return this.mode === "guiding";
-  }
 }
 
 customElements.define("st-arm-settings", ArmSettings);

@@ -18,12 +18,8 @@ class Controllers extends Panel {
     for (const name of ["pointermove", "pointerdown"]) this.addEventListener(name, ({ clientX, clientY }) => (this.pointer = { clientX, clientY }));
     this.preview = h("p", { class: "hint preview", role: "status" }, "Point at Start to see what a switch stops. After a start, this line says how far each joint stepped.");
     this.form = h("st-load-form", { class: "form", hidden: true });
-    this.append(
-      this.preview,
-      this.form,
-      this.chains,
-      h("div", { class: "scroll" }, h("table", { class: "controllers" }, h("thead", {}, h("tr", {}, ...heads)), this.body)),
-    );
+    const table = h("table", { class: "controllers" }, h("thead", {}, h("tr", {}, ...heads)), this.body);
+    this.append(this.preview, this.form, this.chains, h("div", { class: "scroll" }, table));
   }
 
   refresh() {
@@ -53,7 +49,7 @@ class Controllers extends Panel {
     ];
     const otherwise = [
       { label: "Start", title: c.reason || `Start ${c.name}`, run: () => this.start(c), look: () => this.look(c), needs: "motion" },
-      { label: "Unload", title: `Unload ${c.name}`, run: () => this.unload(c) },
+      { label: "Unload", title: `Unload ${c.name}`, run: () => act("DELETE", `/controllers/${c.name}`).then(() => store.refresh()) },
     ];
     const actions = c.state === "running" ? whenRunning : otherwise;
     const p99 = c.update_count ? `p99 ${number(c.update_p99 * 1e6, 0)} µs, ${c.update_count} updates` : "It has not run yet";
@@ -84,16 +80,10 @@ class Controllers extends Panel {
     show(this.preview, text);
   }
 
-  async unload(c) {
-    await act("DELETE", `/controllers/${c.name}`);
-    await store.refresh();
-  }
-
   async start(c) {
     const done = await switchTo(c.name);
-    if (!done) return;
-    const steps = stepsOf(done.jump, c.command_units);
-    this.say(`Started ${c.name}${steps ? `: ${steps}` : ""}.`);
+    const steps = done && stepsOf(done.jump, c.command_units);
+    if (done) this.say(`Started ${c.name}${steps ? `: ${steps}` : ""}.`);
   }
 
   /** Ask the station what a switch would do; nothing is done. */
@@ -101,16 +91,11 @@ class Controllers extends Panel {
     this.looks += 1;
     const { looks } = this;
     const stop = store.controller(c.name)?.replaces ?? [];
-    let text;
-    try {
-      const plan = await api("POST", "/controllers/switch", { start: [c.name], stop, dry_run: true });
-      const stops = plan.stopped.length ? `stops ${plan.stopped.join(", ")}` : "stops nothing";
-      text = `Start ${c.name}: ${stops}; ${stepsOf(plan.jump, c.command_units) || "the steps of the joints are known when it runs"}.`;
-    } catch (error) {
-      text = `Start ${c.name} would be refused: ${error.detail ?? error.message} ${error.remedy ?? ""}`;
-    }
+    const words = ({ stopped, jump }) => `: stops ${stopped.join(", ") || "nothing"}; ${stepsOf(jump, c.command_units) || "the steps of the joints are known when it runs"}.`;
+    const text = await api("POST", "/controllers/switch", { start: [c.name], stop, dry_run: true })
+      .then(words, (error) => ` would be refused: ${error.detail ?? error.message} ${error.remedy ?? ""}`);
     // The pointer is at another button by now: only the newest answer is shown.
-    if (looks === this.looks) show(this.preview, text);
+    if (looks === this.looks) show(this.preview, `Start ${c.name}${text}`);
   }
 }
 

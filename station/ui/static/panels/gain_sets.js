@@ -19,20 +19,10 @@ class GainSets extends Panel {
   view() {
     const ofSet = { needs: "change", off: () => !this.sets.value };
     return html`<details><summary>Sets of gains</summary><div class="line">${this.sets}
-        ${press("Apply set", "Put the set into force, all controllers in one cycle", () => this.apply(), ofSet)}
-        ${press("Delete", "Delete the set", () => this.remove(), ofSet)}${this.setName}
+        ${press("Apply set", "Put the set into force, all controllers in one cycle", () => act("POST", `${this.path}/apply`, {}).then(() => this.showDiff()), ofSet)}
+        ${press("Delete", "Delete the set", () => act("DELETE", this.path).then(() => this.list()), ofSet)}${this.setName}
         ${press("Save", "Save the gains of all controllers now", () => this.save(), { needs: "change", off: () => !this.setName.value.trim() })}</div>
       <p class="hint">${this.differs}</p></details>`;
-  }
-
-  async apply() {
-    await act("POST", `${this.path}/apply`, {});
-    this.showDiff();
-  }
-
-  async remove() {
-    await act("DELETE", this.path);
-    this.list();
   }
 
   async save() {

@@ -178,8 +178,11 @@ class Joints extends Panel {
   refresh() {
     const docks = store.docks;
     const names = docks.joints;
-    if (names.join() !== [...this.rows.keys()].join()) this.buildRows(names);
-    const operated = docks.operated;
+    if (names.join() !== [...this.rows.keys()].join()) {
+      this.rows = new Map([...shortNames(names)].map(([joint, label]) => [joint, this.makeRow(joint, label)]));
+      this.speed.tell();
+    }
+    const { operated } = docks;
     const followed = [...operated.names, ...names].join();
     if (followed !== this.followed) {
       this.followed = followed;
@@ -223,27 +226,18 @@ class Joints extends Panel {
     return `${operated.names.join(" and ")} ${operated.names.length > 1 ? "take" : "takes"} values: type one and press Enter, or hold − and +.`;
   }
 
-  buildRows(names) {
-    this.rows = new Map([...shortNames(names)].map(([joint, label]) => [joint, this.makeRow(joint, label)]));
-    this.speed.tell();
-  }
-
   makeRow(joint, label) {
     const limits = store.docks.limits[joint];
     const unit = store.docks.sliding.includes(joint) ? "m" : "rad";
     const input = valueField(`Command of ${label}`, () => this.send(joint, row), () => this.forgetFar());
-    const slider = new JointSlider({
-      label,
-      limits,
-      unit,
-      move: (target) => {
-        row.sent = null;
-        this.forgetFar();
-        this.move({ [joint]: target });
-      },
-      pick: (target) => this.isAgreed({ [joint]: target }) && this.move({ [joint]: target }),
-      show: (target) => (target === null ? hideGhost() : showGhost({ [joint]: target }, "where you drag it")),
-    });
+    const move = (target) => {
+      row.sent = null;
+      this.forgetFar();
+      this.move({ [joint]: target });
+    };
+    const pick = (target) => this.isAgreed({ [joint]: target }) && this.move({ [joint]: target });
+    const look = (target) => (target === null ? hideGhost() : showGhost({ [joint]: target }, "where you drag it"));
+    const slider = new JointSlider({ label, limits, unit, move, pick, show: look });
     const arm = store.docks.arms.find(({ arm_id: id }) => joint.startsWith(`${id}_joint`))?.arm_id;
     const external = arm && `${arm}/tau_ext_hat_filtered/${Number(joint.slice(-1)) - 1}`;
     const row = { label, slider, input, limits, unit, external, sent: null, position: 0, texts: [] };
@@ -265,11 +259,11 @@ class Joints extends Panel {
     const value = typed(row.input.value);
     if (value === null) return refusals.add({ code: "not_a_number", detail: `“${row.input.value}” is not a number.`, remedy: "Type a number such as 0.3217 or 18.43." });
     const target = value / this.scaleOf(row.element);
-    if (!this.isAgreed({ [joint]: target })) return undefined;
+    if (!this.isAgreed({ [joint]: target })) return;
     row.sent = { text: row.input.value.trim(), target, at: performance.now() };
     row.input.edited = false;
     this.move({ [joint]: target });
-    return row.input.select();
+    row.input.select();
   }
 
   scaleOf(element) {

@@ -15,6 +15,8 @@ class LoadForm extends Panel {
     const type = (name) => html`<button class="type" type="button" role="option" @click=${() => this.chooseType(name)}>${name}</button>`;
     const fill = () => {
       const words = search.value.toLowerCase().split(/\s+/);
+      // Some types are for Franka arms.
+      const suitsRobot = (name) => store.docks.arms.length > 0 || !name.startsWith("franka_");
       const fits = store.docks.types.filter((name) => suitsRobot(name) && words.every((word) => name.toLowerCase().includes(word)));
       render(fits.length ? fits.map(type) : html`<p class="hint">No type has “${search.value.trim()}” in its name. Try fewer words, e.g. position.</p>`, list);
     };
@@ -103,11 +105,6 @@ function isSame(params, fields) {
     if (!(error instanceof Refusal)) throw error;
     return false;
   }
-}
-
-/** Return whether a robot like this one can have a controller of a type: some are for Franka arms. */
-function suitsRobot(type) {
-  return store.docks.arms.length > 0 || !type.startsWith("franka_");
 }
 
 customElements.define("st-load-form", LoadForm);

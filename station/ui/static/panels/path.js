@@ -54,7 +54,7 @@ class Path extends Panel {
 
   /** Whether somebody guides an arm by hand. */
   get guided() {
-    return store.docks?.arms.some((arm) => arm.robot_mode === "guiding");
+    return store.isArmIn("guiding");
   }
 
   get isActive() {
@@ -172,7 +172,8 @@ class Path extends Panel {
       let time = seconds * this.factor;
       let from = start;
       for (const { name, duration, positions } of waypoints) {
-        if (time < duration) return showGhost(blend(from, positions, time / duration), `preview, to ${name}`);
+        const between = ([joint, q]) => [joint, from[joint] + (time / duration) * (q - from[joint])];
+        if (time < duration) return showGhost(Object.fromEntries(Object.entries(positions).map(between)), `preview, to ${name}`);
         time -= duration;
         from = { ...from, ...positions };
       }
@@ -252,10 +253,5 @@ class Path extends Panel {
 
 /** Return where the joints of a waypoint are now. */
 const here = ({ positions }) => Object.fromEntries(Object.keys(positions).map((joint) => [joint, store.positionsOf([joint])[0]]));
-
-/** Return positions between two others, at a part from 0 to 1 of the way. */
-function blend(from, to, part) {
-  return Object.fromEntries(Object.entries(to).map(([joint, q]) => [joint, from[joint] + part * (q - from[joint])]));
-}
 
 customElements.define("st-path", Path);

@@ -73,7 +73,6 @@ class ReplayBar extends HTMLElement {
     if (!text) return this.text.focus();
     const [begin, end] = this.place.value === "range" ? this.range : [replay.time, null];
     if (await replay.addNote(text, begin, end)) this.text.value = "";
-    return undefined;
   }
 
   async copyLink(button) {

@@ -24,20 +24,10 @@ class Simulation extends Panel {
     this.faults = (await api("GET", `/robots/${this.arm.value}/faults`)).faults;
   }
 
-  /** Whether the user stop of the chosen arm is pressed. */
-  get isStopped() {
-    return store.docks.arms.some((arm) => arm.arm_id === this.arm.value && arm.robot_mode === "user_stopped");
-  }
-
   /** Ask for something and say what was done; nothing when it was refused, which the log says. */
   async ask(method, path, body, text) {
     this.done = (await act(method, path, body)) ? text : "";
     store.refresh();
-  }
-
-  changePause() {
-    const paused = !store.docks.simulation.paused;
-    this.ask("PATCH", "/simulation", { paused }, paused ? "Paused." : "Resumed.");
   }
 
   stepOn() {
@@ -72,13 +62,13 @@ class Simulation extends Panel {
     this.arm.hidden = arms.length < 2;
     return html`<p class="hint state">${paused ? "‖ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s</p>
       <p class="hint" role="status">${this.done}</p>
-      <div class="line">${press(paused ? "Resume" : "Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause(), { needs: "change" })}
+      <div class="line">${press(paused ? "Resume" : "Pause", "Simulated time stands still; stops and switches still work.", () => this.ask("PATCH", "/simulation", { paused: !paused }, paused ? "Resumed." : "Paused."), { needs: "change" })}
         ${press("Step", "Run so many cycles while paused.", () => this.stepOn(), { needs: "change", off: !paused })}${this.steps}cycles</div>
       <div class="line"><label>speed × ${this.factor}</label>${press("Set", "Simulated seconds per second.", () => this.setFactor(), { needs: "change" })}</div>
       <div class="line">${press("Reset", "Put the world back; earlier set-points and goals are void.", () => this.ask("POST", "/simulation/reset", { keyframe: this.keyframe.value || null }, "Simulation reset."), { needs: "change" })} to ${this.keyframe}</div>
       <div class="line" ?hidden=${!arms.length}>${this.arm}${press("Push hand", "Push the hand for 0.3 s.", () => this.push(), { needs: "change" })}${this.force} N</div>
       <div class="line" ?hidden=${!arms.length}>${press("Inject fault", "For exercises: the arm reacts as to a real one.", () => this.inject(), { needs: "change" })}${this.fault}
-        ${press("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`).then(() => this.look()), { needs: "change", off: () => !this.faults?.length })}${press("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }), { needs: "change", off: () => this.isStopped })}</div>
+        ${press("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`).then(() => this.look()), { needs: "change", off: () => !this.faults?.length })}${press("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }), { needs: "change", off: () => store.isArmIn("user_stopped", this.arm.value) })}</div>
       <st-scene-objects></st-scene-objects>`;
   }
 }

@@ -13,14 +13,14 @@ class Timeline extends Panel {
   build() {
     this.chosen = "events";
     this.buttons = Object.entries(SOURCES).map(([id, title]) => button(title, undefined, () => this.choose(id), { data: { id } }));
-    this.record = button("Record", "Record every cycle, until it is clicked again.", () => this.toggleRecording(), { needs: "change" });
+    this.record = button("Record", "Record every cycle, until it is clicked again.", () => (this.running ? act("POST", `/recordings/${this.running}/stop`) : act("POST", "/recordings", {})).then(() => this.ask()), { needs: "change" });
     this.file = h("input", { type: "file", accept: ".mcap", hidden: true, onchange: () => this.upload(this.file.files[0]) });
     this.uploadButton = button("Upload …", "Keep the .mcap file of this station or another one among the recordings.", () => this.file.click(), { needs: "change", off: () => this.isUploading });
     this.fileTools = h("span", { class: "file-tools", hidden: true }, this.record, this.uploadButton, this.file);
     this.list = h("div", { class: "log", tabIndex: 0, ariaLabel: "What happened" });
     this.append(h("div", { class: "tabs" }, ...this.buttons, this.fileTools), this.list);
     replay.addEventListener("runs", () => this.ask());
-    alarms.addEventListener("change", () => this.chosen === "alarms" && this.drawAlarms());
+    alarms.addEventListener("change", () => this.chosen === "alarms" && this.tell("", alarmRows()));
     this.events = new Map(); // by number: a frame may come twice after a reconnection
     this.choose("events");
     this.every(LOOK_MS, () => this.ask());
@@ -41,10 +41,6 @@ class Timeline extends Panel {
     this.ask();
   }
 
-  drawAlarms() {
-    render(alarmRows(), this.list);
-  }
-
   /** Show a sentence, and below it rows by their keys. */
   tell(text, rows = nothing) {
     render(html`${text ? html`<p class="hint">${text}</p>` : nothing}${rows}`, this.list);
@@ -53,7 +49,7 @@ class Timeline extends Panel {
   async ask() {
     const id = this.chosen;
     this.fileTools.hidden = id !== "recordings" || !store.isOperator;
-    if (id === "alarms") return this.drawAlarms();
+    if (id === "alarms") return this.tell("", alarmRows());
     try {
       const path = id === "events" ? `/events?limit=${SHOWN}` : `/${id}`;
       const told = await api("GET", path, undefined, { Accept: "application/json" });
@@ -133,10 +129,6 @@ class Timeline extends Panel {
     await this.ask();
   }
 
-  async toggleRecording() {
-    await (this.running ? act("POST", `/recordings/${this.running}/stop`) : act("POST", "/recordings", {}));
-    this.ask();
-  }
 }
 
 /** Return events with those that repeat one after the other as one: the newest, how often, and since when. */
