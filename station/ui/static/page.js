@@ -106,11 +106,6 @@ function linkText(state) {
   return `${state.link}, data ${state.age.toFixed(1)} s old`;
 }
 
-function factorText(state) {
-  if (state.paused) return "paused";
-  return state.real_time_factor == null ? "–" : `× ${state.real_time_factor.toFixed(2)}`;
-}
-
 function render(polled) {
   latest = polled;
   const state = newest(polled);
@@ -126,7 +121,8 @@ function render(polled) {
   show("rate", state.rate_hz === null ? "–" : `${state.rate_hz.toFixed(0)} Hz`);
   const late = state.lateness_p99;
   show("lateness", late === null ? "–" : `${(late * 1e3).toFixed(2)} ms`);
-  show("factor", factorText(state));
+  const factor = state.real_time_factor;
+  show("factor", state.paused ? "paused" : factor == null ? "–" : `× ${factor.toFixed(2)}`);
   show("epoch", state.epoch === null ? "–" : String(state.epoch));
   element("motion").title = state.stop_reason;
   const operator = state.role === "operator";
@@ -179,19 +175,8 @@ async function poll() {
   setTimeout(poll, element("bar").dataset.link === "live" ? POLL_MS : POLL_LOST_MS);
 }
 
-const TEXT_INPUTS = new Set(["text", "search", "password", "number", ""]);
-function isTyping(target) {
-  if (!target || !target.tagName) return false;
-  if (target.tagName === "TEXTAREA" || target.isContentEditable) return true;
-  return target.tagName === "INPUT" && TEXT_INPUTS.has(target.getAttribute("type") ?? "");
-}
-
-// Again and again, because Viser's page replaces its document while it loads; adding
-// the same listener twice changes nothing.
-function listenEverywhere() {
-  listen(window);
-  listen(element("view").contentWindow);
-}
+const TEXTS = 'textarea, input:is(:not([type]), [type=""], [type="text"], [type="search"], [type="password"], [type="number"])';
+const isTyping = (target) => Boolean(target?.isContentEditable || target?.matches?.(TEXTS));
 
 // Space is a letter of a text; Escape stops while a field has the focus, too, whatever else
 // it would do there. Both the press and the release are swallowed: Space would click a
@@ -204,9 +189,11 @@ function onKey(event) {
   if (event.type === "keydown" && !event.repeat) stop();
 }
 
-function listen(target) {
-  target.addEventListener("keydown", onKey, true);
-  target.addEventListener("keyup", onKey, true);
+// Again and again, because Viser's page replaces its document while it loads; adding
+// the same listener twice changes nothing.
+function listenEverywhere() {
+  for (const target of [window, element("view").contentWindow])
+    for (const name of ["keydown", "keyup"]) target.addEventListener(name, onKey, true);
 }
 
 // The docks are one script with many parts: when one of them does not load, none works.

@@ -10,9 +10,7 @@ import { act, teleoperation } from "./lib/station.js";
 import { enableSliders, stopController, store, switchTo } from "./lib/store.js";
 import { number } from "./lib/text.js";
 import { units } from "./lib/units.js";
-import { showTour } from "./lib/tour.js";
-import { watchScene } from "./lib/scene.js";
-import { showViewTools } from "./lib/view_tools.js";
+import { showViewTools, watchScene } from "./lib/view_tools.js";
 import "./panels/joints.js";
 import "./panels/controllers.js";
 import "./panels/gripper.js";
@@ -231,16 +229,13 @@ const remedies = {
   stopController,
 };
 
-function remedyButton(entry) {
-  const remedy = remedyOf(entry, { stop: store.stop, ...store.docks }, remedies);
-  return remedy && store.isOperator ? press(remedy.label, "", remedy.run, { look: "s primary" }) : nothing;
-}
-
 function logRow(entry) {
   const time = new Date(entry.at).toLocaleTimeString("en-GB");
   const count = entry.count > 1 ? ` (${entry.count} times)` : "";
-  const remedy = entry.remedy ? html`<span class="remedy">${units.words(entry.remedy)}</span>` : nothing;
-  return html`<div class="row"><time>${time}</time><span class="cause">▲ ${units.words(entry.detail)}${count}</span>${remedy}${remedyButton(entry)}</div>`;
+  const words = entry.remedy ? html`<span class="remedy">${units.words(entry.remedy)}</span>` : nothing;
+  const remedy = remedyOf(entry, { stop: store.stop, ...store.docks }, remedies);
+  const button = remedy && store.isOperator ? press(remedy.label, "", remedy.run, { look: "s primary" }) : nothing;
+  return html`<div class="row"><time>${time}</time><span class="cause">▲ ${units.words(entry.detail)}${count}</span>${words}${button}</div>`;
 }
 
 function showLog() {
@@ -288,6 +283,31 @@ function showAge() {
   document.body.classList.toggle("stale", age === null || age > 700);
 }
 
+/** Four steps for somebody who sees the page for the first time; gone after a click. */
+function showTour(card) {
+  if (kept.get("tour", "") === "done") return;
+  const steps = [...card.querySelectorAll("p")];
+  const [skip, next] = card.querySelectorAll("button");
+  let at = -1;
+  const show = (isOver) => {
+    document.querySelector(".toured")?.classList.remove("toured");
+    if (isOver) kept.set("tour", "done");
+    card.hidden = isOver;
+    at += 1;
+    if (isOver) return;
+    const { mark, opens } = steps[at].dataset;
+    if (opens && isNarrow()) openDock(opens);
+    document.querySelector(mark)?.classList.add("toured");
+    steps.forEach((step, i) => (step.hidden = i !== at));
+    card.querySelector("b").textContent = `${at + 1} of ${steps.length}`;
+    skip.hidden = at === steps.length - 1;
+    if (skip.hidden) next.textContent = "Done";
+  };
+  skip.addEventListener("click", () => show(true));
+  next.addEventListener("click", () => show(skip.hidden));
+  show(false);
+}
+
 function start() {
   for (const [id, section] of sections) wireDock(section, id);
   // On a narrow screen one dock is shown at a time; these buttons choose it.
@@ -300,15 +320,14 @@ function start() {
   splitter("split-below", "below", (event) => -event.movementY);
   window.addEventListener("station-bar", (event) => {
     const before = store.bar.role;
-    store.bar = { ...store.bar, ...event.detail };
+    Object.assign(store.bar, event.detail);
     document.body.dataset.role = store.bar.role;
     if (store.isOperator && before !== store.bar.role) teleoperation.connect();
     store.dispatchEvent(new Event("bar"));
   });
-  element("log-button").addEventListener("click", () => {
-    const log = element("log");
-    log.hidden = !log.hidden;
-    element("log-button").ariaExpanded = !log.hidden;
+  element("log-button").addEventListener("click", ({ currentTarget }) => {
+    currentTarget.ariaExpanded = element("log").hidden;
+    element("log").hidden = !element("log").hidden;
     showLog();
   });
   refusals.addEventListener("change", showRefusal);
@@ -335,12 +354,8 @@ function start() {
   window.addEventListener("show-dock", ({ detail }) => openDock(detail));
   watchScene(element("view"), element("progress"), () => store.docks);
   showViewTools(element("view-tools"));
-  showTour(element("tour"), openDock);
-  showLoaded();
-}
-
-/** Say that the docks are there, or that the strip with its STOP is not. */
-function showLoaded() {
+  showTour(element("tour"));
+  // The docks are there; the strip with its STOP may not be.
   document.body.dataset.docks = "ready";
   element("unloaded").hidden = document.body.dataset.strip === "ready";
   element("unloaded").classList.add("now");

@@ -63,7 +63,7 @@ export class Forecast {
   async rehearseMove(targets, speed) {
     const controller = controllerFor(targets);
     if (!controller) return this.show(WITHOUT_CONTROLLER, false);
-    const { joints } = controller;
+    const joints = controller.resources;
     const now = store.positionsOf(joints);
     const positions = joints.map((joint, i) => targets[joint] ?? now[i]);
     const time = Math.max(SHORTEST_S, ...positions.map((q, i) => (PEAK * Math.abs(q - now[i])) / speed));
@@ -175,8 +175,7 @@ function requestOf({ kind, name, path, start, stop, options, request }) {
 /** Return the controller of trajectories that moves these joints: one that runs, else one that can be started. */
 function controllerFor(targets) {
   const found = store.docks.controllers.filter(({ type, resources }) => TRAJECTORY.test(type) && Object.keys(targets).every((joint) => resources.includes(joint)));
-  const controller = found.find(({ state }) => state === "running") ?? found[0];
-  return controller && { ...controller, joints: controller.resources };
+  return found.find(({ state }) => state === "running") ?? found[0];
 }
 
 /** Return the step that starts a controller, none when it runs. */

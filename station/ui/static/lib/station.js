@@ -63,14 +63,9 @@ async function fetched(method, path, options) {
 
 /** A refusal of the station, in its own words but for the routes. */
 export class Refusal extends Error {
-  constructor(status, problem) {
-    super(problem.detail ?? `The request failed (${status}).`);
-    this.status = status;
-    this.code = problem.code ?? "";
-    this.detail = this.message;
-    this.remedy = forPerson(problem.remedy ?? "");
-    this.errors = problem.errors ?? [];
-    this.details = problem.details ?? {};
+  constructor(status, { detail, code, remedy, errors, details }) {
+    super(detail ?? `The request failed (${status}).`);
+    Object.assign(this, { status, code: code ?? "", detail: this.message, remedy: forPerson(remedy ?? ""), errors: errors ?? [], details: details ?? {} });
   }
 }
 

@@ -66,7 +66,11 @@ class Bench extends Panel {
     this.choose();
     this.draw();
     units.addEventListener("change", () => this.draw());
-    setInterval(() => this.isShown && this.shown.size && this.drawShown(), 200);
+    setInterval(() => {
+      if (!this.isShown || !this.shown.size) return;
+      if (!this.time.hidden) this.response.draw(this.response.end);
+      if (!this.bode.hidden) for (const plot of this.bodePlots) plot.draw();
+    }, 200);
   }
 
   /** The form that reads a part of a recording as a test. */
@@ -210,8 +214,9 @@ class Bench extends Panel {
     this.time.hidden = !timed.length;
     const key = this.curve.value.replace(" ", "_");
     const colour = ({ name }) => this.colourOf(name);
-    this.bodePlots[0].set(spectral.map((run) => ({ label: run.name, colour: colour(run), x: run.bode.frequency, y: run.bode[key].gain.map((gain) => 20 * Math.log10(gain)) })));
-    this.bodePlots[1].set(spectral.map((run) => ({ label: run.name, colour: colour(run), x: run.bode.frequency, y: run.bode[key].phase })));
+    const curves = (read) => spectral.map((run) => ({ label: run.name, colour: colour(run), x: run.bode.frequency, y: read(run.bode[key]) }));
+    this.bodePlots[0].set(curves(({ gain }) => gain.map((each) => 20 * Math.log10(each))));
+    this.bodePlots[1].set(curves(({ phase }) => phase));
     const trace = (run, field, label, i) => {
       const forward = Math.sign(run.amplitude) || 1;
       return { label, time: run.time, values: run[field].map((value) => value != null ? (value - run.position[0]) * forward : null), colour: i };
@@ -222,11 +227,6 @@ class Bench extends Panel {
     if (!last) return;
     this.response.end = Math.max(...timed.map(({ time }) => time.at(-1)));
     this.response.span = this.response.end || 1;
-  }
-
-  drawShown() {
-    if (!this.time.hidden) this.response.draw(this.response.end);
-    if (!this.bode.hidden) for (const plot of this.bodePlots) plot.draw();
   }
 }
 

@@ -24,19 +24,11 @@ class TuneSearch extends Panel {
     if ([trials, size, seconds].includes(null)) return refusals.add({ code: "not_a_number", detail: "Type trials, step and seconds as numbers." });
     this.isStarting = true;
     this.refresh();
-    const told = await act("POST", "/experiments", {
-      kind: "tune",
-      controller,
-      joints: joint ? [joint] : null,
-      trials,
-      duration: seconds,
-      commands: [{ kind: "step", joint, amplitude: size }],
-    });
+    const commands = [{ kind: "step", joint, amplitude: size }];
+    const told = await act("POST", "/experiments", { kind: "tune", controller, joints: joint ? [joint] : null, trials, duration: seconds, commands });
     this.isStarting = false;
     if (!told) return this.refresh();
-    this.joint = joint;
-    this.name = told.name;
-    this.drawnBest = null;
+    Object.assign(this, { joint, name: told.name, drawnBest: null });
     this.show(told);
   }
 
@@ -44,14 +36,9 @@ class TuneSearch extends Panel {
     return `/experiments/${encodeURIComponent(this.name)}`;
   }
 
-  async act(what) {
-    const told = await act("POST", `${this.url}/${what}`);
-    if (told) this.show(told);
-  }
-
   async look() {
     if (this.shown && this.shown.state !== "running") return;
-    this.name ||= await newest();
+    this.name ||= newestOf((await api("GET", "/experiments")).experiments);
     // An experiment that was deleted is none.
     const told = this.name && (await api("GET", this.url).catch((error) => error.status === 404 && (this.name = "")));
     if (told) this.show(told);
@@ -78,7 +65,7 @@ class TuneSearch extends Panel {
     const says = told ? this.progressOf(told) : "Tries gains in a simulated copy of this station, in a process of its own; the robot stays as it is. You see the change before it is applied.";
     return html`<div class="line"><b>Search</b>${Object.values(this.fields).map(({ label }) => label)}
         ${press("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), { look: "s primary", needs: "change", off: () => this.isStarting || this.shown?.state === "running" || !this.tuning?.chosen.controller })}
-        ${running ? press("Cancel search", "End the search; the best so far stays", () => this.act("cancel"), { needs: "change" }) : ""}</div>
+        ${running ? press("Cancel search", "End the search; the best so far stays", () => act("POST", `${this.url}/cancel`).then((told) => told && this.show(told)), { needs: "change" }) : ""}</div>
       <progress max="1" value=${told?.trials ? told.ended / told.trials : 0} ?hidden=${!running} aria-label="Progress of the search"></progress>
       <p class="hint state" role="status">${this.isStarting ? "Starting a process for the trials …" : says}</p>
       <div ?hidden=${!told?.best}>${this.chart}<table class="metrics"><thead><tr><th></th><th>at the start</th><th>best so far</th></tr></thead><tbody>${told?.best ? SHOWN.map(row) : ""}</tbody></table></div>
@@ -126,11 +113,7 @@ class TuneSearch extends Panel {
   }
 }
 
-/** Return the name of the newest search of this station, or nothing. */
-async function newest() {
-  const { experiments } = await api("GET", "/experiments");
-  const searches = experiments.filter((e) => e.kind === "tune");
-  return searches.sort((a, b) => b.created_at.localeCompare(a.created_at))[0]?.name ?? "";
-}
+/** Return the name of the newest search among experiments, or nothing. */
+const newestOf = (experiments) => experiments.filter(({ kind }) => kind === "tune").sort((a, b) => b.created_at.localeCompare(a.created_at))[0]?.name ?? "";
 
 customElements.define("st-tune-search", TuneSearch);
