@@ -54,16 +54,16 @@ export function field(name, value, unit, label = `${name} [${unit}]`, input = h(
  * it; `tell()` says it anew, and `changed` is called with a value that somebody has chosen.
  */
 export function ranged(words, textOf, changed, props) {
-  const input = h("input", { type: "range", ...props });
+  const heard = () => {
+    tell();
+    changed(Number(input.value));
+  };
+  const input = h("input", { type: "range", oninput: heard, ...props });
   const text = h("output", {});
   const tell = () => {
     show(text, textOf(Number(input.value)));
     input.ariaValueText = text.textContent;
   };
-  input.addEventListener("input", () => {
-    tell();
-    changed(Number(input.value));
-  });
   tell();
   return { input, tell, label: h("label", { class: "speed" }, `${words} `, input, text) };
 }
@@ -122,15 +122,12 @@ export function breakable(text, sign) {
  * a value is typed or left.
  */
 export function valueField(label, send, changed = () => {}) {
-  const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false, ariaLabel: label });
   const edit = (edited) => () => {
     input.edited = edited;
     changed();
   };
-  input.addEventListener("input", edit(true));
-  input.addEventListener("blur", edit(false));
-  input.addEventListener("keydown", (event) => event.key === "Enter" && input.edited && send());
-  input.addEventListener("focus", () => input.select());
+  const enter = ({ key }) => key === "Enter" && input.edited && send();
+  const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false, ariaLabel: label, oninput: edit(true), onblur: edit(false), onkeydown: enter, onfocus: () => input.select() });
   // A second click would put the caret into a value that is only shown or was sent, and
   // what is typed then would become one number with it. What is being typed keeps its caret.
   // The browser collapses a selection that is clicked only after `click`, so its own way is barred.

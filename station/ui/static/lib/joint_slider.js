@@ -27,12 +27,8 @@ export class JointSlider {
     this.thumb = h("i", { class: "thumb" });
     const [ariaValueMin, ariaValueMax] = [this.low, this.high];
     const title = "Drag the thumb, or use the arrow keys; with Shift in finer steps, with Page Up and Down in coarser ones. A click beside it goes there.";
-    this.element = h("div", { class: "slider", role: "slider", tabIndex: 0, title, ariaLabel: `Slider of ${label}`, ariaValueMin, ariaValueMax }, this.told, this.here, this.thumb);
-    this.element.addEventListener("keydown", (event) => this.press(event));
-    this.element.addEventListener("pointerdown", (event) => this.grab(event));
-    this.element.addEventListener("pointermove", (event) => this.drag(event));
-    this.element.addEventListener("pointerup", (event) => this.letGo(event));
-    for (const name of ["pointercancel", "lostpointercapture"]) this.element.addEventListener(name, () => this.end());
+    const pointer = { onpointerdown: (event) => this.grab(event), onpointermove: (event) => this.drag(event), onpointerup: () => this.letGo(), onpointercancel: () => this.end(), onlostpointercapture: () => this.end() };
+    this.element = h("div", { class: "slider", role: "slider", tabIndex: 0, title, ariaLabel: `Slider of ${label}`, ariaValueMin, ariaValueMax, onkeydown: (event) => this.press(event), ...pointer }, this.told, this.here, this.thumb);
   }
 
   set disabled(disabled) {

@@ -1,5 +1,5 @@
 // Layouts of the plots: kept at the station under a name, or in a file.
-import { h, html, press, render } from "./dom.js";
+import { h, html, nameField, press, render } from "./dom.js";
 import { download } from "./plot.js";
 import { refusals } from "./refusals.js";
 import { act, peek } from "./station.js";
@@ -30,8 +30,8 @@ export async function layoutOf(text) {
 /** Return a menu of the layouts; `settings()` are the present plots, `put(plots)` shows others. */
 export function layoutMenu(settings, put) {
   const body = h("div", {});
-  const menu = h("details", { class: "picker layouts" }, h("summary", { title: "Keep these plots under a name, or show others." }, "Layouts"), body);
-  const name = h("input", { type: "text", maxLength: 100, placeholder: "name", ariaLabel: "Name of the layout" });
+  const menu = h("details", { class: "picker layouts", ontoggle: () => menu.open && list() }, h("summary", { title: "Keep these plots under a name, or show others." }, "Layouts"), body);
+  const name = nameField("Name of the layout", "name", () => save(), { class: "", type: "text", maxLength: 100 });
   const file = h("input", { type: "file", accept: ".json", hidden: true, onchange: () => file.files[0]?.text().then(importText) });
   const importText = (text) => {
     file.value = "";
@@ -62,8 +62,6 @@ export function layoutMenu(settings, put) {
       <div class="line">${name}${press("Save", "", save, { needs: "change", off: () => !name.value.trim() })}</div>
       <div class="line">${press("Export", "Save these plots as a file.", () => download(`${name.value.trim() || "plots"}.json`, JSON.stringify({ plots: settings() }, null, 1), "application/json"))}${press("Import", "Show the plots of a file.", () => file.click())}${file}</div>`, body);
   };
-  name.addEventListener("keydown", (event) => event.key === "Enter" && save());
-  menu.addEventListener("toggle", () => menu.open && list());
   /** The name of the layout that is shown, else its content. */
   menu.linked = () => {
     const text = JSON.stringify(settings());

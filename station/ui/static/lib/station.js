@@ -118,16 +118,13 @@ const broken = new Set(); // sockets that wait to be opened again
 /** A socket that opens again after the station or the dashboard has restarted. */
 class Socket {
   constructor(path, onMessage) {
-    this.path = path;
-    this.onMessage = onMessage;
-    this.wanted = true;
+    Object.assign(this, { path, onMessage });
     this.open();
   }
 
   open() {
     clearTimeout(this.timer);
     broken.delete(this);
-    if (!this.wanted) return;
     this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${this.path}`);
     this.socket.onmessage = (event) => this.onMessage(JSON.parse(event.data));
     this.socket.onclose = () => {
@@ -143,7 +140,7 @@ class Socket {
   }
 
   close() {
-    this.wanted = false;
+    clearTimeout(this.timer);
     broken.delete(this);
     this.socket.onclose = null;
     this.socket.close();

@@ -6,11 +6,16 @@ export function number(value, digits) {
   return /^-0\.?0*$/.test(text) ? text.slice(1) : text;
 }
 
+/** Return what all texts begin with, when there is more than one, e.g. `q joint`. */
+export function commonStart(texts) {
+  let shared = texts.length > 1 ? texts[0] : "";
+  for (const text of texts) while (!text.startsWith(shared)) shared = shared.slice(0, -1);
+  return shared;
+}
+
 /** Return what the joints' names share up to an underscore, e.g. `panda_`. */
 export function sharedPrefix(names) {
-  if (names.length < 2) return "";
-  let shared = names[0];
-  for (const name of names) while (!name.startsWith(shared)) shared = shared.slice(0, -1);
+  const shared = commonStart(names);
   return shared.slice(0, shared.lastIndexOf("_") + 1);
 }
 
@@ -30,6 +35,12 @@ const ANGLES = new RegExp(`(?:${NUMBER}( to | and | and at most ))?${NUMBER} rad
 export function inDegrees(text) {
   const turned = (value) => String(Number(((value * 180) / Math.PI).toFixed(2)));
   return text.replace(ANGLES, (_, low, between, high) => `${low === undefined ? "" : turned(low) + between}${turned(high)}°`);
+}
+
+/** Return the range that a value has to be in, e.g. `above 0 to ∞`; nothing where there is none. */
+export function rangeOf({ minimum, maximum, excludes_minimum: open }) {
+  if (minimum == null && maximum == null) return "";
+  return `${open ? "above " : ""}${minimum ?? "−∞"} to ${maximum ?? "∞"}`;
 }
 
 /** Read a number as people type it, or null; a comma counts as the decimal point. */

@@ -84,13 +84,9 @@ class Bench extends Panel {
       if (this.runName.value.trim()) body.name = this.runName.value.trim();
       this.add(await act("POST", `${this.source.value}/bench`, body));
     }, { needs: "change", off: () => !this.source.value || [begin, end].some((one) => one.read() === null) });
-    const part = h("details", {}, h("summary", {}, "A part of a recording"), line(this.source, kind, ...[begin, end, low, high].map(({ label }) => label), read));
-    part.addEventListener("toggle", async () => {
-      if (!part.open) return;
-      const lists = await Promise.all(["/recordings", "/incidents"].map((path) => api("GET", path).then(({ recordings }) => recordings.map((r) => [`${path}/${r.identifier}`, r.identifier])).catch(() => [])));
-      offer(this.source, lists.flat().reverse(), "none yet");
-    });
-    return part;
+    const listed = async (path) => ((await peek(path))?.recordings ?? []).map(({ identifier }) => [`${path}/${identifier}`, identifier]);
+    const list = async ({ target }) => target.open && offer(this.source, (await Promise.all(["/recordings", "/incidents"].map(listed))).flat().reverse(), "none yet");
+    return h("details", { ontoggle: list }, h("summary", {}, "A part of a recording"), line(this.source, kind, ...[begin, end, low, high].map(({ label }) => label), read));
   }
 
   /** Whether the chosen controller runs and takes positions of the chosen joint. */

@@ -38,10 +38,9 @@ class GainSets extends Panel {
   async list(chosen = this.sets.value) {
     const told = await peek("/gain-sets");
     if (!told) return;
-    const names = told.gain_sets;
     this.undoable = told.undoable_changes;
-    offer(this.sets, names);
-    if (names.includes(chosen)) this.sets.value = chosen;
+    offer(this.sets, told.gain_sets);
+    if (told.gain_sets.includes(chosen)) this.sets.value = chosen;
     await this.showDiff();
   }
 

@@ -171,7 +171,7 @@ class Joints extends Panel {
 
   speedText(value) {
     const number = (value / DEGREES).toFixed(2);
-    const slides = [...this.rows.keys()].some((joint) => store.docks.sliding.includes(joint));
+    const slides = [...this.rows.values()].some(({ unit }) => unit === "m");
     return (units.angle === "deg" ? `${value} °/s` : `${number} rad/s`) + (slides ? `, ${number} m/s` : "");
   }
 
@@ -276,33 +276,31 @@ class Joints extends Panel {
       const i = name.indexOf(joint);
       if (i < 0) continue;
       row.position = position[i];
-      const angular = !store.docks.sliding.includes(joint);
-      const scale = angular ? units.scale : 1;
-      const digits = units.angle === "deg" && angular ? 2 : 4;
-      row.texts = [number(position[i] * scale, digits) + (angular ? "" : " m"), number(velocity[i] * scale, units.angle === "deg" && angular ? 1 : 3), number(effort[i], 1), number(this.newest.get(row.external), 1)];
-      this.drawSlider(joint, row, digits);
-      this.drawCommand(joint, row, digits);
+      const [scale, digits, fewer] = row.unit === "m" ? [1, 4, 3] : [units.scale, ...(units.angle === "deg" ? [2, 1] : [4, 3])];
+      row.texts = [number(position[i] * scale, digits) + (row.unit === "m" ? " m" : ""), number(velocity[i] * scale, fewer), number(effort[i], 1), number(this.newest.get(row.external), 1)];
+      const command = this.newest.get(desiredOf(joint)) ?? null;
+      this.drawSlider(row, POSITIONS.includes(row.element?.unit) ? command : null, scale, digits);
+      this.drawCommand(row, command, digits);
     }
     this.drawTable();
   }
 
-  drawSlider(joint, row, digits) {
-    const command = POSITIONS.includes(row.element?.unit) ? (this.newest.get(desiredOf(joint)) ?? null) : null;
-    const isGoing = teleoperation.state.remaining > 1e-6 || performance.now() - this.movedAt < SHOW_SENT_MS;
-    const value = number((command ?? row.position) * (row.unit === "m" ? 1 : units.scale), digits);
-    row.slider.update(row.position, command, isGoing, `${value}${row.unit === "m" ? " m" : units.sign}`);
-    if (!row.limits) return;
-    const part = row.slider.part(row.position);
-    row.slider.element.classList.toggle("near", part < NEAR_LIMIT || part > 1 - NEAR_LIMIT);
+  /** Whether the robot is on its way to what was sent then. */
+  isGoing(sentAt) {
+    return teleoperation.state.remaining > 1e-6 || performance.now() - sentAt < SHOW_SENT_MS;
   }
 
-  drawCommand(joint, row, digits) {
-    const value = this.newest.get(desiredOf(joint));
+  drawSlider({ slider, position, unit, limits }, command, scale, digits) {
+    slider.update(position, command, this.isGoing(this.movedAt), number((command ?? position) * scale, digits) + (unit === "m" ? " m" : units.sign));
+    const part = slider.part(position);
+    slider.element.classList.toggle("near", Boolean(limits) && (part < NEAR_LIMIT || part > 1 - NEAR_LIMIT));
+  }
+
+  drawCommand(row, value, digits) {
     if (row.input.edited) return;
-    if (value == null) return void (row.input.value = "");
+    if (value === null) return void (row.input.value = "");
     // What a person typed stays as typed while it is what the robot is told.
-    const isOnItsWay = teleoperation.state.remaining > 1e-6 || performance.now() - row.sent?.at < SHOW_SENT_MS;
-    if (row.sent && !isOnItsWay && Math.abs(row.sent.target - value) >= 1e-9) row.sent = null;
+    if (row.sent && !this.isGoing(row.sent.at) && Math.abs(row.sent.target - value) >= 1e-9) row.sent = null;
     const text = row.sent?.text ?? number(value * this.scaleOf(row.element), digits);
     if (row.input.value === text) return;
     row.input.value = text;

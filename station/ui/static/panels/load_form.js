@@ -1,6 +1,6 @@
 // Loading a controller: its type, and its parameters, which the type declares with unit and
 // default, in fields or as YAML.
-import { act, api, breakable, button, choice, drawn, h, html, line, Panel, Refusal, refusals, render, said, send, shortNames, show, store, switchTo, typed } from "../lib/panel.js";
+import { act, api, breakable, button, choice, drawn, h, html, line, Panel, rangeOf, Refusal, refusals, render, said, send, shortNames, show, store, switchTo, typed } from "../lib/panel.js";
 
 class LoadForm extends Panel {
   toggle() {
@@ -117,11 +117,6 @@ function kindOf(declared, value) {
   if (declared) return declared.type;
   if (Array.isArray(value)) return value.every((each) => typeof each === "number") ? "numbers" : "strings";
   return typeof value;
-}
-
-function rangeOf({ minimum, maximum, excludes_minimum: open }) {
-  if (minimum == null && maximum == null) return "";
-  return `${open ? "above " : ""}${minimum ?? "−∞"} to ${maximum ?? "∞"}`;
 }
 
 function field(path, value, declared, names) {

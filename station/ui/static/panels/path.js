@@ -96,10 +96,8 @@ class Path extends Panel {
 
   async capture() {
     const told = await act("POST", `${this.url}/capture`, {});
-    if (told) {
-      this.says = `Captured ${told.waypoints.at(-1).name} of ${told.name}.`;
-      this.draw(told);
-    }
+    if (told) this.says = `Captured ${told.waypoints.at(-1).name} of ${told.name}.`;
+    if (told) this.draw(told);
     this.read().catch(() => {});
   }
 
@@ -134,32 +132,26 @@ class Path extends Panel {
   row(point, i) {
     const { waypoints } = this.path;
     const prefix = sharedPrefix(Object.keys(point.positions));
-    const changed = (change) => waypoints.map((other, j) => (j === i ? { ...other, ...change } : other));
+    const change = (parts) => this.save(waypoints.with(i, { ...point, ...parts }));
     const tool = (label, title, run, rule = {}) => press(label, title, run, { needs: "change", name: `${title}: ${point.name}`, ...rule });
     // What was typed and refused is put back, so the field itself is compared.
-    const field = (look, value, label, change) => html`<input class=${look} .value=${live(value)} aria-label=${label}
-      @change=${({ target }) => { target.blur(); change(target); }} @keydown=${({ key, target }) => key === "Enter" && target.blur()}>`;
-    const name = field("name", point.name, `Name of waypoint ${i + 1}`, (input) => this.save(changed({ name: input.value })));
+    const field = (look, value, label, take) => html`<input class=${look} .value=${live(value)} aria-label=${label}
+      @change=${({ target }) => { target.blur(); take(target); }} @keydown=${({ key, target }) => key === "Enter" && target.blur()}>`;
+    const name = field("name", point.name, `Name of waypoint ${i + 1}`, (input) => change({ name: input.value }));
     const seconds = field("value", String(point.duration), `Seconds to ${point.name}`, (input) => {
       const duration = typed(input.value);
-      if (duration === null) {
-        refusals.add({ code: "not_a_number", detail: `“${input.value}” is not a number.`, remedy: "Type seconds, such as 1.5." });
-        input.value = String(point.duration);
-      } else this.save(changed({ duration }));
+      if (duration !== null) return change({ duration });
+      refusals.add({ code: "not_a_number", detail: `“${input.value}” is not a number.`, remedy: "Type seconds, such as 1.5." });
+      return (input.value = String(point.duration));
     });
-    const swap = (j) => () => {
-      const moved = [...waypoints];
-      [moved[i], moved[j]] = [moved[j], moved[i]];
-      this.save(moved);
-    };
-    const set = () => this.save(changed({ positions: here(point) }));
+    const swap = (j) => () => this.save(waypoints.with(i, waypoints[j]).with(j, point));
     const title = Object.entries(point.positions).map(([joint, q]) => `${joint.slice(prefix.length)}: ${number(q, 4)}`).join("\n");
     // A waypoint is shown as a ghost while the pointer or the focus is on its button.
     const isFree = () => !this.stopPreview;
     const look = () => isFree() && showGhost(point.positions, `waypoint ${point.name}`);
     const leave = () => isFree() && hideGhost();
     return html`<li title=${title}>${name}${seconds} s
-      <span @pointerover=${look} @focusin=${look} @pointerout=${leave} @focusout=${leave}>${tool("Go", "Move to this waypoint", () => this.play(i), { needs: "motion" })}</span>${tool("Set", "Replace by where the arm is now", set)}${tool("↑", "Move up", swap(i - 1), { off: i === 0 })}${tool("↓", "Move down", swap(i + 1), { off: i === waypoints.length - 1 })}${tool("✕", "Remove", () => this.save(waypoints.filter((_, j) => j !== i)))}
+      <span @pointerover=${look} @focusin=${look} @pointerout=${leave} @focusout=${leave}>${tool("Go", "Move to this waypoint", () => this.play(i), { needs: "motion" })}</span>${tool("Set", "Replace by where the arm is now", () => change({ positions: here(point) }))}${tool("↑", "Move up", swap(i - 1), { off: i === 0 })}${tool("↓", "Move down", swap(i + 1), { off: i === waypoints.length - 1 })}${tool("✕", "Remove", () => this.save(waypoints.toSpliced(i, 1)))}
     </li>`;
   }
 

@@ -3,7 +3,7 @@ import "./replay_bar.js";
 import { described, numbersIn } from "../lib/channel_maths.js";
 import { Channels, sample, sources } from "../lib/channels.js";
 import { History } from "../lib/history.js";
-import { button, choice, h, html, kept, line, number, Panel, render, shortNames, show, store, units } from "../lib/panel.js";
+import { button, choice, commonStart, h, html, kept, line, number, Panel, render, shortNames, show, store, units } from "../lib/panel.js";
 import { layoutMenu, layoutOf } from "../lib/plot_layouts.js";
 import { Plot, download, swatch } from "../lib/plot.js";
 import { Run, ofLink } from "../lib/recorded.js";
@@ -167,11 +167,13 @@ class Plots extends Panel {
   addPlot(keys, xy = false, span = 10, how = "") {
     const canvas = h("div", { class: "chart", tabIndex: 0, title: "Drag: zoom all plots to a range of time. Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Double click: back.", role: "img" });
     const legend = h("div", { class: "legend", tabIndex: 0, role: "group", ariaLabel: "Channels of the plot" }); // long names are scrolled to
-    const entry = { keys, legend, values: [], how };
+    const entry = { keys, legend, values: [], how, liveSpan: span };
     entry.plot = new Plot(canvas, { group: "plots", moved: () => this.tell(entry), chosen: (begin, end) => this.zoomTo(begin, end), zoomed: () => this.paused && this.zoomTo(entry.plot.end - entry.plot.span, entry.plot.end) });
-    Object.assign(entry.plot, { xy, span });
-    entry.liveSpan = span;
-    Object.assign(entry.plot, this.held());
+    Object.assign(entry.plot, { xy, span }, this.held());
+    const zoom = (factor) => {
+      entry.plot.zoom(factor);
+      this.keep();
+    };
     const across = button("XY", "Draw the other channels over the first one instead of over time", () => {
       entry.plot.xy = !entry.plot.xy;
       this.apply(entry);
@@ -186,8 +188,8 @@ class Plots extends Panel {
     const transform = choice("Show", Object.entries(TRANSFORMS), choose, { title: "What is shown of the channels." });
     transform.value = how;
     const tools = line(
-      button("−", "Show more time (or turn the wheel)", () => this.zoom(entry, 1.5)),
-      button("+", "Show less time (or turn the wheel)", () => this.zoom(entry, 1 / 1.5)),
+      button("−", "Show more time (or turn the wheel)", () => zoom(1.5)),
+      button("+", "Show less time (or turn the wheel)", () => zoom(1 / 1.5)),
       across,
       transform,
       button("CSV", "Save what is shown", () => download("plot.csv", entry.plot.csv(store.stationTime))),
@@ -199,12 +201,9 @@ class Plots extends Panel {
       }),
     );
     const summary = h("summary", { title: "Channels, time shown, CSV, remove.", ariaLabel: "Choose channels" }, "⋯");
-    const menu = h("details", { class: "picker" }, summary, h("div", {}, tools, h("div", { class: "choices" })));
-    entry.menu = menu;
-    const box = h("div", { class: "plot" }, h("div", { class: "plot-head" }, legend, menu), canvas);
-    box.addEventListener("dragover", (event) => this.dragged && event.preventDefault());
-    box.addEventListener("drop", (event) => this.drop(event, entry));
-    menu.addEventListener("toggle", () => menu.open && this.openMenu(entry));
+    entry.menu = h("details", { class: "picker", ontoggle: () => entry.menu.open && this.openMenu(entry) }, summary, h("div", {}, tools, h("div", { class: "choices" })));
+    const dropping = { ondragover: (event) => this.dragged && event.preventDefault(), ondrop: (event) => this.drop(event, entry) };
+    const box = h("div", { class: "plot", ...dropping }, h("div", { class: "plot-head" }, legend, entry.menu), canvas);
     canvas.addEventListener("dblclick", () => {
       if (replay.isOpen) return this.zoomTo(0, replay.duration);
       if (this.isZoomed) this.setPaused(false);
@@ -273,11 +272,6 @@ class Plots extends Panel {
     return html`<div class="channel">${choose(key, text, text, "choice")}${choose(DERIVATIVE + key, `rate of change of ${label}`, "d/dt", "choice rate")}</div>`;
   }
 
-  zoom(entry, factor) {
-    entry.plot.zoom(factor);
-    this.keep();
-  }
-
   /** Hold the picture, and show a range of time [s] in all plots. */
   zoomTo(begin, end) {
     if (!this.paused) {
@@ -324,7 +318,7 @@ class Plots extends Panel {
     this.transform(entry);
     const units = [...new Set(entry.plot.traces.map((t) => t.unit).filter(Boolean))].join(", ");
     const labels = entry.plot.traces.map((trace) => trace.label);
-    const shared = sharedStart(labels);
+    const shared = commonStart(labels).slice(0, labels[0]?.length - 1); // each keeps something of its own
     const drawn = entry.sources.map(({ key }) => key);
     const keys = labels.length === drawn.length ? drawn : entry.how === "difference" ? drawn.slice(1) : [];
     entry.time = h("span", {});
@@ -378,14 +372,6 @@ class Plots extends Panel {
       this.tell(entry);
     }
   }
-}
-
-/** Return what all labels begin with, when there is more than one, e.g. `q joint`. */
-function sharedStart(labels) {
-  if (labels.length < 2) return "";
-  let n = 0;
-  while (n < labels[0].length - 1 && labels.every((label) => label[n] === labels[0][n])) n += 1;
-  return labels[0].slice(0, n);
 }
 
 customElements.define("st-plots", Plots);

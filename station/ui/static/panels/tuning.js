@@ -2,7 +2,7 @@
 import "./bench.js";
 import "./gain_sets.js";
 import "./tune_search.js";
-import { act, api, button, choice, decide, drawn, h, html, line, live, nothing, offer, Panel, Refusal, refusals, sharedPrefix, show, store, typed } from "../lib/panel.js";
+import { act, api, button, choice, decide, drawn, h, html, line, live, nothing, offer, Panel, rangeOf, Refusal, refusals, sharedPrefix, show, store, typed } from "../lib/panel.js";
 
 class Tuning extends Panel {
   build() {
@@ -120,8 +120,7 @@ class Tuning extends Panel {
 
   titleOf(key) {
     const schema = this.gains.schema[key];
-    const range = schema.minimum != null || schema.maximum != null ? `, ${schema.minimum ?? "−∞"} to ${schema.maximum ?? "∞"}` : "";
-    return `${schema.description} [${schema.unit || "no unit"}]${range}`;
+    return [`${schema.description} [${schema.unit || "no unit"}]`, rangeOf(schema)].filter(Boolean).join(", ");
   }
 
   input(key) {
