@@ -85,12 +85,6 @@ export const line = (...parts) => h("div", { class: "line" }, ...parts);
 export const press = (label, title, run, { look = "s", needs, off, pressed = nothing, name = nothing } = {}) =>
   html`<button class=${look} type="button" title=${title || nothing} aria-label=${name} aria-pressed=${pressed} .rule=${{ needs, off }} ?disabled=${live(isIdle({ needs, off }))} @click=${run}>${label}</button>`;
 
-/** Draw a template into an element and return it; drawn again, only what differs changes. */
-export function drawn(element, template) {
-  render(template, element);
-  return element;
-}
-
 /** Set a text only when it differs, so that the browser has nothing to lay out. */
 export function show(element, text) {
   if (element.textContent !== text) element.textContent = text;
@@ -185,8 +179,7 @@ export const isNarrow = () => matchMedia("(max-width: 999px)").matches;
 export const kept = {
   get(key, fallback) {
     try {
-      const text = localStorage.getItem(`station.${key}`);
-      return text === null ? fallback : JSON.parse(text);
+      return JSON.parse(localStorage.getItem(`station.${key}`)) ?? fallback;
     } catch {
       return fallback;
     }

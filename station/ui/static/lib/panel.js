@@ -1,6 +1,6 @@
 // The base of all panels: a custom element that draws when the page's knowledge changes. Panels
 // import from here what all of them work with.
-import { drawn } from "./dom.js";
+import { render } from "./dom.js";
 import { Refusal } from "./station.js";
 import { store } from "./store.js";
 
@@ -34,7 +34,7 @@ export class Panel extends HTMLElement {
 
   /** Draw what has changed: what the panel's `view()` returns, a template. */
   refresh() {
-    if (this.view) drawn(this, this.view());
+    if (this.view) render(this.view(), this);
   }
 
   /** Call `look` again and again, the next time so long after its end, while the dock is open. */

@@ -111,7 +111,6 @@ export function watchScene(view, line, docks) {
   let same = 0;
   const look = () => {
     const inside = view.contentWindow;
-    foldNotice(inside.document);
     const now = inside.__viserTestpoints?.rendererInfo?.render?.triangles ?? 0;
     const { triangles: wanted = null, not_drawn: missing } = docks() ?? {};
     if (missing) return show(line, `There is no picture. ${missing}`);

@@ -1,5 +1,5 @@
 // The bench: tests of one joint, gains that a relay test proposes, and the kept runs.
-import { act, angleField, api, button, choice, drawn, field, figure, h, html, kept, line, nameField, nothing, number, offer, Panel, peek, press, repeat, show, store, typed, units } from "../lib/panel.js";
+import { act, angleField, button, choice, field, figure, h, html, kept, line, nameField, nothing, number, offer, Panel, peek, press, render, repeat, show, store, typed, units } from "../lib/panel.js";
 import { BodePlot, COLOURS, Plot, responseTraces, swatch } from "../lib/plot.js";
 
 /** What each kind of test asks for besides its size and duration. */
@@ -112,10 +112,8 @@ class Bench extends Panel {
   }
 
   async run(kind = this.kind.value) {
-    if (kind !== this.kind.value) {
-      this.kind.value = kind;
-      this.choose();
-    }
+    this.kind.value = kind;
+    this.choose();
     const value = (name) => this.fields[name].read();
     const { controller, joint } = this.tuning.chosen;
     const excitation = { kind, joint, amplitude: value("amplitude") };
@@ -178,7 +176,7 @@ class Bench extends Panel {
       ${columns.map((column) => html`<td>${figureOf(run, column)}</td>`)}
       <td>${press("✕", "", () => this.remove(run.name), { needs: "change", name: `Delete ${run.name}` })}</td>
     </tr>`;
-    drawn(this.table, this.runs.length ? html`<table class="metrics"><thead><tr><th>run</th><th>test</th>${columns.map(([, title]) => html`<th>${title}</th>`)}<th></th></tr></thead><tbody>${repeat(this.runs, ({ name }) => name, row)}</tbody></table>` : nothing);
+    render(this.runs.length ? html`<table class="metrics"><thead><tr><th>run</th><th>test</th>${columns.map(([, title]) => html`<th>${title}</th>`)}<th></th></tr></thead><tbody>${repeat(this.runs, ({ name }) => name, row)}</tbody></table>` : nothing, this.table);
     this.drawProposals();
     this.drawCurves();
   }
@@ -192,7 +190,7 @@ class Bench extends Panel {
       <td>${proposal.title}${proposal.note ? " *" : ""}</td>${Object.entries(proposal.gains).map(change)}
       <td>${press("Apply", "", () => this.apply(run, proposal), { look: "s primary", needs: "change", name: `Apply ${proposal.title}` })}</td>
     </tr>`;
-    drawn(this.proposals, run ? html`<table class="metrics proposals"><thead><tr><th>rule</th>${Object.keys(run.proposals[0].gains).map((name) => html`<th>${name.split("/").at(-1)}</th>`)}<th></th></tr></thead><tbody>${run.proposals.map(row)}</tbody></table><p class="hint">${run.proposals.some(({ note }) => note) ? "* The integral acts once i_clamp_max is more than 0." : ""}</p>` : nothing);
+    render(run ? html`<table class="metrics proposals"><thead><tr><th>rule</th>${Object.keys(run.proposals[0].gains).map((name) => html`<th>${name.split("/").at(-1)}</th>`)}<th></th></tr></thead><tbody>${run.proposals.map(row)}</tbody></table><p class="hint">${run.proposals.some(({ note }) => note) ? "* The integral acts once i_clamp_max is more than 0." : ""}</p>` : nothing, this.proposals);
   }
 
   async apply(run, proposal) {

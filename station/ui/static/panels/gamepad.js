@@ -1,6 +1,6 @@
 // Gamepad: moves the hand while its dead-man button is held; the map shows what does what.
 import { directionsOf } from "../lib/gamepad_map.js";
-import { drawn, html, kept, Panel, ranged, store, teleoperation } from "../lib/panel.js";
+import { html, kept, Panel, ranged, render, store, teleoperation } from "../lib/panel.js";
 
 const LOOK_MS = 40; // the dashboard takes 25 set-points a second
 const DEAD_MAN = { button: 5, words: "right shoulder button" };
@@ -25,9 +25,9 @@ class GamepadPanel extends Panel {
 
   draw(state, directions, isStop) {
     const row = (axis, control, now) => html`<tr><th scope="row">${axis}</th><td>${control}</td><td>${now}</td></tr>`;
-    drawn(this, html`<details><summary>Gamepad</summary><p class="hint" role="status">${state}</p>${this.scale.label}
+    render(html`<details><summary>Gamepad</summary><p class="hint" role="status">${state}</p>${this.scale.label}
       <table class="objects"><thead><tr><th>hand</th><th>control</th><th>now</th></tr></thead>
-        <tbody>${MAP.map(([axis, control], i) => row(axis, control, directions[i].toFixed(2)))}${row("STOP", STOP.words, isStop ? "pressed" : "–")}</tbody></table></details>`);
+        <tbody>${MAP.map(([axis, control], i) => row(axis, control, directions[i].toFixed(2)))}${row("STOP", STOP.words, isStop ? "pressed" : "–")}</tbody></table></details>`, this);
   }
 
   /** The arm whose hand moves. */

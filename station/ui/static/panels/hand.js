@@ -36,18 +36,21 @@ class Hand extends Panel {
     });
     const isEmpty = () => this.targets.some((input) => !input.value.trim());
     const reach = button("Go there", "Move the hand there; without angles it keeps its orientation.", () => this.go(), { needs: "motion", off: () => !this.isStepping || isEmpty() });
+    const speed = (key, ariaLabel, textOf, step) => ranged(ariaLabel, textOf, () => kept.set("hand-speed", this.chosenSpeeds), { min: step, max: MOST[key], step, value: kept.get("hand-speed", SPEEDS)[key], ariaLabel });
+    const along = speed("along", "Top speed of the hand", (value) => `${number(value, 2)} m/s`, 0.01);
+    const about = speed("about", "Top turning speed of the hand", (value) => `${number(value * units.scale, units.angle === "deg" ? 0 : 2)}${units.sign}/s`, 0.05);
+    this.speeds = { along, about };
     this.axes = choice("Axes of the jog", FRAMES.map((frame, i) => [i, frame]), () => this.setFrame(), { title: "Frame along whose axes the buttons move the hand." });
     this.forecast = new Forecast();
     const trials = this.forecast.trials(() => this.tryOut(false), () => this.tryOut(true), isEmpty);
     const here = button("Here", "Fill in where the hand is.", () => this.fillIn());
     teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
-    const details = h("details", { class: "hand" });
-    details.append(
+    const details = h("details", { class: "hand" },
       h("summary", {}, "Hand: jog and target"),
       this.state,
       line(this.startJog, this.startTarget),
-      this.buildSpeeds(),
+      line(along.label, about.label),
       line(h("label", {}, "axes of ", this.axes), h("label", {}, "step ", this.step)),
       h("div", { class: "jog" }, ...this.handButtons),
       line(...this.targets.map((input, i) => h("label", {}, `${AXES[i]} `, input)), " m"),
@@ -55,14 +58,6 @@ class Hand extends Panel {
       this.forecast.element,
     );
     this.append(details);
-  }
-
-  buildSpeeds() {
-    const slider = (key, ariaLabel, textOf, step) => ranged(ariaLabel, textOf, () => kept.set("hand-speed", this.chosenSpeeds), { min: step, max: MOST[key], step, value: kept.get("hand-speed", SPEEDS)[key], ariaLabel });
-    const along = slider("along", "Top speed of the hand", (value) => `${number(value, 2)} m/s`, 0.01);
-    const about = slider("about", "Top turning speed of the hand", (value) => `${number(value * units.scale, units.angle === "deg" ? 0 : 2)}${units.sign}/s`, 0.05);
-    this.speeds = { along, about };
-    return line(along.label, about.label);
   }
 
   /** The arm whose hand this is. */
@@ -85,7 +80,9 @@ class Hand extends Panel {
   /** A button is pressed, or still held: a jog moves while it is, a step is made once. */
   press(axis, sign) {
     if (this.isStepping) {
-      if (!this.isPressed) this.makeStep(axis, sign);
+      const { along, about } = STEPS[Number(this.step.value)];
+      const by = AXES.map((_, i) => (i === axis ? sign * (i < FIRST_TURN ? along : about) : 0));
+      if (!this.isPressed) this.reach({ position: by.slice(0, FIRST_TURN), rpy: by.slice(FIRST_TURN) }, this.axes.value === "1" ? "tool" : "base");
       this.isPressed = true;
       return;
     }
@@ -97,12 +94,6 @@ class Hand extends Panel {
   letGo() {
     if (!this.isPressed) teleoperation.say({ do: "release" });
     this.isPressed = false;
-  }
-
-  makeStep(axis, sign) {
-    const { along, about } = STEPS[Number(this.step.value)];
-    const by = AXES.map((_, i) => (i === axis ? sign * (i < FIRST_TURN ? along : about) : 0));
-    this.reach({ position: by.slice(0, FIRST_TURN), rpy: by.slice(FIRST_TURN) }, this.axes.value === "1" ? "tool" : "base");
   }
 
   reach(place, step_in = "") {

@@ -3,7 +3,7 @@ import { Channels } from "../lib/channels.js";
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
-import { act, button, choice, decide, DEGREES, drawn, h, holdButton, html, kept, line as lineOf, nameField, number, offer, Panel, peek, ranged, refusals, repeat, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
+import { act, button, choice, decide, DEGREES, h, holdButton, html, kept, line as lineOf, nameField, number, offer, Panel, peek, ranged, refusals, render, repeat, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
@@ -158,7 +158,7 @@ class Joints extends Panel {
     const head = (text, title, look = "") => html`<th title=${title} class=${look}>${text}</th>`;
     const heads = [head("joint", ""), head(`q [${angle}]`, "Measured position"), head("command", "Type a value and press Enter"), head(`dq [${angle}/s]`, "Measured speed"), head("τ [Nm]", "Measured torque"), head("τext", "External torque as a Franka arm estimates it [Nm]; – for other joints", "ext"), head("hold", "Moves while it is held")];
     const rows = repeat(this.rows, ([joint]) => joint, ([joint, row]) => this.row(joint, row));
-    drawn(this.table, html`<table class="joints ${store.docks?.arms.length === 0 ? "without-arm" : ""}"><thead><tr>${heads}</tr></thead><tbody>${rows}</tbody></table>`);
+    render(html`<table class="joints ${store.docks?.arms.length === 0 ? "without-arm" : ""}"><thead><tr>${heads}</tr></thead><tbody>${rows}</tbody></table>`, this.table);
   }
 
   /** Return the two lines of a joint: its values, and its slider between its limits. */

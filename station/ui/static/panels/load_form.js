@@ -1,6 +1,6 @@
 // Loading a controller: its type, and its parameters, which the type declares with unit and
 // default, in fields or as YAML.
-import { act, api, breakable, button, choice, drawn, h, html, line, Panel, rangeOf, Refusal, refusals, render, said, send, shortNames, show, store, switchTo, typed } from "../lib/panel.js";
+import { act, api, breakable, button, choice, h, html, line, Panel, rangeOf, Refusal, refusals, render, said, send, shortNames, show, store, switchTo, typed } from "../lib/panel.js";
 
 class LoadForm extends Panel {
   toggle() {
@@ -57,7 +57,7 @@ class LoadForm extends Panel {
   /** Make the fields for some parameters, and for those that are declared besides. */
   fill(params) {
     this.inputs = fieldsOf(params, this.declared, shortNames(store.docks.joints));
-    this.fields.replaceChildren(...this.inputs.map((field) => field.row));
+    render(this.inputs.map((field) => field.row), this.fields);
   }
 
   showView(isText) {
@@ -124,19 +124,15 @@ function field(path, value, declared, names) {
   const text = Array.isArray(value) ? value.join(", ") : String(value ?? "");
   const byDefault = declared?.default == null ? (declared?.default_text ?? "") : [declared.default].flat().join(", ") || "none";
   const choices = kind === "boolean" ? ["true", "false"] : (declared?.choices ?? []);
-  let input;
-  if (choices.length && !kind.endsWith("s")) {
-    input = h("select", {}, h("option", { value: "" }, byDefault ? `default: ${byDefault}` : "–"), ...choices.map((choice) => h("option", {}, choice)));
-    input.value = text;
-  } else {
-    input = h("input", { value: text, placeholder: byDefault ? `default: ${byDefault}` : "" });
-  }
   const label = path.join(" / ");
-  input.setAttribute("aria-label", label);
+  const hint = byDefault && `default: ${byDefault}`;
+  const isChoice = choices.length && !kind.endsWith("s");
+  const input = isChoice ? choice(label, [["", hint || "–"], ...choices]) : h("input", { placeholder: hint, ariaLabel: label });
+  input.value = text;
   const shown = path.map((part) => names.get(part) ?? part).join("/");
   const facts = declared ? [shown === label ? "" : label, declared.description, rangeOf(declared), choices.join(", ")].filter(Boolean).join("; ") : "";
   const unit = [declared?.unit, declared?.required ? "required" : ""].filter(Boolean).join(", ");
-  return { path, input, kind, row: h("label", { title: facts }, drawn(h("span"), breakable(shown, "_")), input, h("small", {}, unit)) };
+  return { path, input, kind, row: html`<label title=${facts}><span>${breakable(shown, "_")}</span>${input}<small>${unit}</small></label>` };
 }
 
 function leaves(params, path = []) {

@@ -1,7 +1,7 @@
 // Waypoint paths: captured, edited and played at the station, so they outlive this page.
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost, ticking } from "../lib/ghost.js";
-import { act, api, choice, drawn, h, html, live, nameField, number, offer, Panel, press, Refusal, refusals, render, repeat, sharedPrefix, store, switchTo, typed } from "../lib/panel.js";
+import { act, api, choice, h, html, live, nameField, number, offer, Panel, press, Refusal, refusals, render, repeat, sharedPrefix, store, switchTo, typed } from "../lib/panel.js";
 
 const LOOK_MS = 250;
 const LIST_MS = 2000;
@@ -31,7 +31,7 @@ class Path extends Panel {
     const may = store.can("change");
     const isEmpty = !this.path.waypoints.length;
     const [isPaused, isPreview] = [playback?.state === "paused", Boolean(this.stopPreview)];
-    drawn(this, html`<div class="line">${this.choice}${this.newName}
+    render(html`<div class="line">${this.choice}${this.newName}
         ${press("New", "Begin a path of this name", () => this.make(), { needs: "change", off: () => !this.newName.value.trim() })}
         ${press("Delete", "Delete the chosen path from the station", () => this.remove(), { needs: "change", off: () => !this.choice.value })}</div>
       <div class="line">
@@ -44,7 +44,7 @@ class Path extends Panel {
       <div class="line"><label class="speed">speed ${this.speed}<output>${this.speed.value} %</output></label>
         ${press("Loop", "Begin again at the end, until it is switched off", () => this.setLoop(), { pressed: Boolean(this.isLoop) })}
         <progress max="1" value=${playback?.progress ?? 0} ?hidden=${!isActive} aria-label="Progress of the path"></progress></div>
-      ${this.forecast.element}${this.list}<p class="hint state" role="status">${this.says}</p>`);
+      ${this.forecast.element}${this.list}<p class="hint state" role="status">${this.says}</p>`, this);
   }
 
   /** The factor of all speeds that was chosen. */

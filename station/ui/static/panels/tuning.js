@@ -2,7 +2,7 @@
 import "./bench.js";
 import "./gain_sets.js";
 import "./tune_search.js";
-import { act, api, button, choice, decide, drawn, h, html, line, live, nothing, offer, Panel, rangeOf, Refusal, refusals, sharedPrefix, show, store, typed } from "../lib/panel.js";
+import { act, api, button, choice, decide, h, html, line, live, nothing, offer, Panel, rangeOf, Refusal, refusals, render, shortNames, show, store, typed } from "../lib/panel.js";
 
 class Tuning extends Panel {
   build() {
@@ -83,8 +83,7 @@ class Tuning extends Panel {
     if (name !== this.choice.value) return;
     this.gains = gains;
     const joints = [...new Set(Object.keys(this.gains.values).map((key) => key.split("/")).filter((parts) => parts.length > 1).map((parts) => parts[0]))];
-    const prefix = sharedPrefix(joints);
-    this.joints = new Map(joints.map((joint) => [joint, joint.slice(prefix.length)]));
+    this.joints = shortNames(joints);
     offer(this.joint, [...this.joints], "no joint");
     this.joint.hidden = joints.length === 0;
     this.drawGains();
@@ -100,7 +99,7 @@ class Tuning extends Panel {
     }
     const single = keys.filter((key) => !key.includes("/"));
     const field = (key) => html`<label title=${this.titleOf(key)}><span>${key}</span>${this.input(key)}<small>${this.gains.schema[key].unit}</small></label>`;
-    drawn(this.fields, html`<div class="fields">${single.map(field)}</div>${keys.length > single.length ? this.gainTable(keys) : nothing}`);
+    render(html`<div class="fields">${single.map(field)}</div>${keys.length > single.length ? this.gainTable(keys) : nothing}`, this.fields);
     this.search.hidden = !keys.length && !this.search.name;
     this.bench.choose();
     this.bench.refresh();
