@@ -39,7 +39,7 @@ const SETTINGS = [
   },
 ];
 
-class ArmSettings extends Panel {
+customElements.define("st-arm-settings", class ArmSettings extends Panel {
   build() {
     this.typed = new Map(); // what somebody has typed, by the label of the field
     this.says = "Refused while the arm moves. Vectors are typed with commas; one number fills all thresholds. The arm does not tell the thresholds that hold.";
@@ -98,6 +98,4 @@ class ArmSettings extends Panel {
     this.refresh();
   }
 
-}
-
-customElements.define("st-arm-settings", ArmSettings);
+});

@@ -21,7 +21,7 @@ export const FIGURES = [
 export const figureOf = ({ metrics }, [key, , factor, unit, digits]) => (metrics[key] == null ? "–" : figure(metrics[key] * factor, unit, digits));
 const isSpectral = ({ bode }) => bode != null;
 
-class Bench extends Panel {
+customElements.define("st-bench", class Bench extends Panel {
   build() {
     this.kind = choice("Kind of test", Object.keys(EXCITATIONS), () => this.choose());
     this.fields = {
@@ -222,6 +222,4 @@ class Bench extends Panel {
     this.response.end = Math.max(...timed.map(({ time }) => time.at(-1)));
     this.response.span = this.response.end || 1;
   }
-}
-
-customElements.define("st-bench", Bench);
+});

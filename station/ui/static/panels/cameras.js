@@ -4,7 +4,7 @@ import { api, h, html, Panel, peek, press, store } from "../lib/panel.js";
 const LOOK_MS = 30;
 const AGAIN_MS = 5000; // after a picture that did not come
 
-class CameraWall extends Panel {
+customElements.define("st-cameras", class CameraWall extends Panel {
   build() {
     this.cameras = [];
     store.addEventListener("docks", () => this.list());
@@ -56,6 +56,4 @@ class CameraWall extends Panel {
         ${camera.fault ? html`<span class="fault" role="status">✖ ${camera.fault}</span>` : camera.isDrawn ? "" : "The first picture takes some seconds."}</figcaption>
     </figure>`)}</div>`;
   }
-}
-
-customElements.define("st-cameras", CameraWall);
+});

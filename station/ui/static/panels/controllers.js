@@ -7,7 +7,7 @@ const SYMBOLS = { running: "●", initialized: "○", stopped: "○", loading: "
 const STEP = 5e-5; // smaller ones are none [unit of the command]
 const SIGNS = { Restart: "↻", Unload: "✕" };
 
-class Controllers extends Panel {
+customElements.define("st-controllers", class Controllers extends Panel {
   build() {
     this.tools.append(button("Load …", undefined, () => this.form.toggle()));
     this.chains = h("div", {});
@@ -97,7 +97,7 @@ class Controllers extends Panel {
     // The pointer is at another button by now: only the newest answer is shown.
     if (looks === this.looks) show(this.preview, `Start ${c.name}${text}`);
   }
-}
+});
 
 /** Return how far each joint steps, e.g. `joint1 0.0012 rad, joint2 −0.5 rad; 5 others not`. */
 function stepsOf(jump, unitOf) {
@@ -110,5 +110,3 @@ function stepsOf(jump, unitOf) {
   const texts = steps.map(([joint, size]) => `${names.get(joint) ?? joint} ${figure(size, unitOf[joint] ?? "", 4)}`.trim());
   return `steps ${texts.join(", ")}${still ? `; ${still} others none` : ""}`;
 }
-
-customElements.define("st-controllers", Controllers);

@@ -4,7 +4,7 @@ import { act, choice, html, nameField, number, offer, Panel, peek, press, refusa
 /** The names that the station can keep as files. */
 const NAME = /^[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}$/;
 
-class GainSets extends Panel {
+customElements.define("st-gain-sets", class GainSets extends Panel {
   build() {
     this.sets = choice("Set of gains", [], () => this.showDiff(), { title: "Saved sets of gains, kept by the station." });
     this.setName = nameField("Name of the set", "name", () => this.save());
@@ -52,6 +52,4 @@ class GainSets extends Panel {
     else this.differs = lines.length ? `Differs from the present gains: ${lines.join("; ")}.` : "The set is in force: no gain differs.";
     this.refresh();
   }
-}
-
-customElements.define("st-gain-sets", GainSets);
+});

@@ -15,7 +15,7 @@ const MAP = [
 ];
 const REST = MAP.map(() => 0);
 
-class GamepadPanel extends Panel {
+customElements.define("st-gamepad", class GamepadPanel extends Panel {
   build() {
     this.scale = ranged("scale", (value) => `${value} %`, (value) => kept.set("gamepad-scale", value), { min: 5, max: 100, step: 5, value: kept.get("gamepad-scale", 50), title: "Part of the top speeds of the hand at a full deflection.", ariaLabel: "Scale of the gamepad in percent" });
     this.asked = []; // the directions that were sent last
@@ -72,6 +72,4 @@ class GamepadPanel extends Panel {
     this.isHeld = false;
     this.asked = [];
   }
-}
-
-customElements.define("st-gamepad", GamepadPanel);
+});

@@ -3,7 +3,7 @@ import { act, api, field, html, nothing, number, Panel, press, store } from "../
 
 const LOOK_MS = 400;
 
-class Gripper extends Panel {
+customElements.define("st-gripper", class Gripper extends Panel {
   build() {
     this.arms = new Map(); // what each gripper tells, and its fields, by the arm
     this.refresh();
@@ -35,6 +35,4 @@ class Gripper extends Panel {
         ${go("Home", "Close and open all the way, to learn the width", "homing")}${go("Hold still", "Stop the fingers; releases an object", "stop", undefined, { needs: "change" })}</div>
       <div class="line">${go("Grasp", "Close until an object stops the fingers, then press it; succeeds when its width is within the tolerance", "grasp", grasp, { look: "s primary" })}${width.label}${tolerance.label}${force.label}</div></div>`;
   }
-}
-
-customElements.define("st-gripper", Gripper);
+});

@@ -19,7 +19,7 @@ const STEPS = [
 const ANGLES = ["roll", "pitch", "yaw"];
 const FIRST_TURN = 3;
 
-class Hand extends Panel {
+customElements.define("st-hand", class Hand extends Panel {
   build() {
     this.state = h("p", { class: "hint" });
     this.startJog = button("Start hand jog", undefined, () => this.start(JOG), { needs: "motion" });
@@ -198,6 +198,4 @@ class Hand extends Panel {
     else if (isOf(target)) show(this.state, `${target.controller} moves the hand to a pose that you type here, by one step for each press of a button, or to where you drag the arrows at the hand in the 3D view.`);
     else show(this.state, "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.");
   }
-}
-
-customElements.define("st-hand", Hand);
+});

@@ -18,7 +18,7 @@ const FAR = { rad: 20 / DEGREES, m: 0.1 };
 /** The channel of what a joint is told by its controller. */
 const desiredOf = (joint) => `sample/desired/${joint}`;
 
-class Joints extends Panel {
+customElements.define("st-joints", class Joints extends Panel {
   build() {
     this.rows = new Map();
     this.newest = new Map(); // of the channels that the rows show, by their keys
@@ -306,6 +306,4 @@ class Joints extends Panel {
     row.input.value = text;
     if (document.activeElement === row.input) row.input.select(); // to be typed over
   }
-}
-
-customElements.define("st-joints", Joints);
+});

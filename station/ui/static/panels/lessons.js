@@ -18,7 +18,7 @@ function markdown(text) {
   });
 }
 
-class LessonBook extends Panel {
+customElements.define("st-lessons", class LessonBook extends Panel {
   build() {
     const name = () => {
       kept.set("student", this.person.value.trim());
@@ -79,6 +79,4 @@ class LessonBook extends Panel {
         <div role="status">${this.result ? html`<b>${this.result.is_solved ? "Solved." : "Not solved yet."}</b><ul class="verdicts">${this.result.verdicts.map(verdict)}</ul>` : nothing}</div>
         ${this.unusable?.length ? html`<p class="hint">Left out: ${this.unusable.join(" ")}</p>` : nothing}`;
   }
-}
-
-customElements.define("st-lessons", LessonBook);
+});

@@ -2,7 +2,7 @@
 // default, in fields or as YAML.
 import { act, api, breakable, button, choice, h, html, line, Panel, rangeOf, Refusal, refusals, render, said, send, shortNames, show, store, switchTo, typed } from "../lib/panel.js";
 
-class LoadForm extends Panel {
+customElements.define("st-load-form", class LoadForm extends Panel {
   toggle() {
     this.hidden = !this.hidden;
     if (!this.hidden) this.offerTypes();
@@ -95,7 +95,7 @@ class LoadForm extends Panel {
     this.hidden = true;
     if (andStart) await switchTo(loaded.name);
   }
-}
+});
 
 /** Return whether fields hold just these parameters. */
 function isSame(params, fields) {
@@ -180,5 +180,3 @@ function valuesOf(fields) {
   }
   return params;
 }
-
-customElements.define("st-load-form", LoadForm);

@@ -5,7 +5,7 @@ import "./hand.js";
 import "./path.js";
 import { h, kept, offer, Panel, store } from "../lib/panel.js";
 
-class Move extends Panel {
+customElements.define("st-move", class Move extends Panel {
   build() {
     this.choice = h("select", { title: "Arm whose hand is moved and whose settings are shown.", ariaLabel: "Arm", onchange: () => this.choose(this.choice.value) });
     this.line = h("div", { class: "line", hidden: true }, h("label", {}, "arm ", this.choice));
@@ -30,6 +30,4 @@ class Move extends Panel {
     this.choice.value = arms.includes(before) ? before : arms[0];
     this.choose(this.choice.value);
   }
-}
-
-customElements.define("st-move", Move);
+});

@@ -7,7 +7,10 @@ const LOOK_MS = 250;
 const LIST_MS = 2000;
 const FIRST_NAME = "path-1";
 
-class Path extends Panel {
+/** Return where the joints of a waypoint are now. */
+const here = ({ positions }) => Object.fromEntries(Object.keys(positions).map((joint) => [joint, store.positionsOf([joint])[0]]));
+
+customElements.define("st-path", class Path extends Panel {
   build() {
     this.path = { name: "", waypoints: [] };
     this.says = "Capture where the arm is, move it, capture again, then Play.";
@@ -241,9 +244,4 @@ class Path extends Panel {
     if (playback.state !== this.shownState || this.isActive) this.says = texts[playback.state];
     this.shownState = playback.state;
   }
-}
-
-/** Return where the joints of a waypoint are now. */
-const here = ({ positions }) => Object.fromEntries(Object.keys(positions).map((joint) => [joint, store.positionsOf([joint])[0]]));
-
-customElements.define("st-path", Path);
+});

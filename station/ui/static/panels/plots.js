@@ -15,7 +15,7 @@ const DERIVATIVE = "d/dt ";
 const SAMPLED = ["desired", "actual", "error", "output"];
 const SHOWN_AT_FIRST = [["position"], ["effort"]];
 
-class Plots extends Panel {
+customElements.define("st-plots", class Plots extends Panel {
   build() {
     this.channels = new Map(); // key to {label, unit}
     this.histories = new Map();
@@ -372,6 +372,4 @@ class Plots extends Panel {
       this.tell(entry);
     }
   }
-}
-
-customElements.define("st-plots", Plots);
+});

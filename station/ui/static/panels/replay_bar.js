@@ -6,7 +6,7 @@ import { replay } from "../lib/replay.js";
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 const BEGIN = "begin";
 
-class ReplayBar extends HTMLElement {
+customElements.define("st-replay-bar", class ReplayBar extends HTMLElement {
   connectedCallback() {
     if (this.slider) return;
     this.hidden = true;
@@ -83,6 +83,4 @@ class ReplayBar extends HTMLElement {
     show(button, "Copied");
     return setTimeout(() => show(button, "Copy link"), 1500);
   }
-}
-
-customElements.define("st-replay-bar", ReplayBar);
+});

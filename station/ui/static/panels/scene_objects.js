@@ -9,7 +9,7 @@ const PLACE = [0.4, -0.4, 0.3];
 const pathOf = (name) => `/scene/${encodeURIComponent(name)}`;
 const rounded = (list) => list.map((value) => number(value, 3)).join(", ");
 
-class SceneObjects extends Panel {
+customElements.define("st-scene-objects", class SceneObjects extends Panel {
   build() {
     this.chosen = ""; // the object at which the 3D view has arrows
     const words = (names) => names.map((name) => [name, name.replaceAll("_", " ")]);
@@ -106,6 +106,4 @@ class SceneObjects extends Panel {
     const beside = [x, y + (size[type === "box" || type === "table" ? 1 : 0] ?? 0.1) + 0.05, z];
     if (await this.change("PUT", made, { type, size, position: beside, orientation, role, margin, links, colour, file })) this.choose(made);
   }
-}
-
-customElements.define("st-scene-objects", SceneObjects);
+});

@@ -6,7 +6,7 @@ import { act, api, choice, h, html, nameField, nothing, number, offer, Panel, pr
 const FAULTS = ["collision", "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint"];
 const LOOK_MS = 500;
 
-class Simulation extends Panel {
+customElements.define("st-simulation", class Simulation extends Panel {
   build() {
     this.done = "";
     const value = { class: "value", inputMode: "decimal" };
@@ -71,6 +71,4 @@ class Simulation extends Panel {
         ${press("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`).then(() => this.look()), { needs: "change", off: () => !this.faults?.length })}${press("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }), { needs: "change", off: () => store.isArmIn("user_stopped", this.arm.value) })}</div>
       <st-scene-objects></st-scene-objects>`;
   }
-}
-
-customElements.define("st-simulation", Simulation);
+});

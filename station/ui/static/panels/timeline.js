@@ -9,7 +9,7 @@ const KEPT = 500;
 const MOST_UPLOADED = 500e6; // as the station takes [bytes]
 const SOURCES = { events: "Events", alarms: "Alarms", recordings: "Recordings", incidents: "Incidents", experiments: "Experiments" };
 
-class Timeline extends Panel {
+customElements.define("st-timeline", class Timeline extends Panel {
   build() {
     this.chosen = "events";
     this.buttons = Object.entries(SOURCES).map(([id, title]) => button(title, undefined, () => this.choose(id), { data: { id } }));
@@ -129,7 +129,7 @@ class Timeline extends Panel {
     await this.ask();
   }
 
-}
+});
 
 /** Return events with those that repeat one after the other as one: the newest, how often, and since when. */
 function folded(events) {
@@ -142,5 +142,3 @@ function folded(events) {
   }
   return found;
 }
-
-customElements.define("st-timeline", Timeline);

@@ -7,7 +7,10 @@ import { FIGURES, figureOf } from "./bench.js";
 const LOOK_MS = 1000;
 const SHOWN = FIGURES.filter(([key]) => ["rise_time", "overshoot", "settling_time", "rms_error", "effort_peak"].includes(key));
 
-class TuneSearch extends Panel {
+/** Return the name of the newest search among experiments, or nothing. */
+const newestOf = (experiments) => experiments.filter(({ kind }) => kind === "tune").sort((a, b) => b.created_at.localeCompare(a.created_at))[0]?.name ?? "";
+
+customElements.define("st-tune-search", class TuneSearch extends Panel {
   build() {
     this.fields = { trials: field("trials", "40", "", "Number of trials of the search"), size: angleField("step", 0.1, "step of the search"), seconds: field("for", "1", "s", "for of the search [s]") };
     this.chart = h("div", { class: "chart response", role: "img", ariaLabel: "Responses at the start of the search and of the best trial" });
@@ -111,9 +114,4 @@ class TuneSearch extends Panel {
     this.refresh();
     if (told) this.tuning.reread();
   }
-}
-
-/** Return the name of the newest search among experiments, or nothing. */
-const newestOf = (experiments) => experiments.filter(({ kind }) => kind === "tune").sort((a, b) => b.created_at.localeCompare(a.created_at))[0]?.name ?? "";
-
-customElements.define("st-tune-search", TuneSearch);
+});

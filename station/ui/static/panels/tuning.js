@@ -4,7 +4,7 @@ import "./gain_sets.js";
 import "./tune_search.js";
 import { act, api, button, choice, decide, h, html, line, live, nothing, offer, Panel, rangeOf, Refusal, refusals, render, shortNames, show, store, typed } from "../lib/panel.js";
 
-class Tuning extends Panel {
+customElements.define("st-tuning", class Tuning extends Panel {
   build() {
     this.typed = new Map(); // what somebody has typed and not applied, by the gain
     this.choice = choice("Controller to tune", [], () => this.read(), { title: "Controller whose gains are shown." });
@@ -156,7 +156,7 @@ class Tuning extends Panel {
       if (error.status === 412) show(this.state, "Somebody has changed these gains meanwhile. They were read anew, and what you typed is still here: look, then Apply again.");
     }
   }
-}
+});
 
 /** Return the choices of a gain that is an enumeration: its description numbers them. */
 function choicesOf(schema) {
@@ -164,5 +164,3 @@ function choicesOf(schema) {
   if (!listed || schema.unit) return null;
   return listed[1].split(", ").map((part) => [part.split(" ")[0], part.replace(/^\d+ (of )?/, "")]);
 }
-
-customElements.define("st-tuning", Tuning);
