@@ -24,10 +24,7 @@ class Alarms extends EventTarget {
     const told = await peek("/alarms");
     if (!told) return;
     this.list = told.alarms;
-    this.draw(told.unacknowledged);
-  }
-
-  draw(unseen) {
+    const unseen = told.unacknowledged;
     this.button.dataset.unseen = unseen ? "some" : "";
     show(this.button, unseen ? `▲ Alarms ${unseen}` : this.list.length ? `Alarms, seen` : "No alarms");
     this.dispatchEvent(new Event("change"));

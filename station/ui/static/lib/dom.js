@@ -37,10 +37,8 @@ for (const name of ["docks", "bar"]) store.addEventListener(name, () => queueMic
 
 /** Return a button with its rule, `needs` and `off`; `props` are more of its properties. */
 export function button(label, title, run, { needs, off, ...props } = {}) {
-  const made = h("button", { class: "s", type: "button", title, onclick: run, ...props }, label);
-  if (needs || off) made.rule = { needs, off };
-  if (made.rule) made.disabled = isIdle(made.rule);
-  return made;
+  const rule = { needs, off };
+  return Object.assign(h("button", { class: "s", type: "button", title, onclick: run, ...props }, label), { rule, disabled: isIdle(rule) });
 }
 
 /** Return a field for a number, `input`, and a label around it with its name and unit; `read()` is the number or null. */

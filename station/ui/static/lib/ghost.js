@@ -16,26 +16,21 @@ export function ticking(step) {
 let wanted = null; // {method, body}: the newest that was asked for and is not sent yet
 let sending = false;
 
-async function sendNewest() {
+async function ask(method, body) {
+  wanted = { method, body };
   if (sending) return;
   sending = true;
   while (wanted) {
-    const { method, body } = wanted;
+    const newest = wanted;
     wanted = null;
     // A picture that fails is no reason to interrupt a person; the next one may work.
-    await send(method, "/ui/ghost", body).catch((error) => console.warn(error.message));
+    await send(newest.method, "/ui/ghost", newest.body).catch((error) => console.warn(error.message));
     await new Promise((resolve) => setTimeout(resolve, EVERY_MS));
   }
   sending = false;
 }
 
 /** Show these joint positions, {joint: rad or m}; of quick calls the newest is sent. */
-export function showGhost(positions, label = "") {
-  wanted = { method: "POST", body: { positions, label } };
-  sendNewest();
-}
+export const showGhost = (positions, label = "") => void ask("POST", { positions, label });
 
-export function hideGhost() {
-  wanted = { method: "DELETE", body: undefined };
-  sendNewest();
-}
+export const hideGhost = () => void ask("DELETE");

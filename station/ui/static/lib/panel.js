@@ -43,15 +43,4 @@ export class Panel extends HTMLElement {
     if (this.isShown && !document.hidden && store.docks) await Promise.resolve(look()).catch((error) => error instanceof Refusal || console.error(error));
     setTimeout(() => this.every(ms, look), ms);
   }
-
-  /** Call `draw` at most `rate` times a second while joints move and the dock is open. */
-  drawWithJoints(rate, draw) {
-    let drawnAt = 0;
-    store.addEventListener("joints", () => {
-      const now = performance.now();
-      if (now - drawnAt < 1000 / rate || !this.isShown || document.hidden) return;
-      drawnAt = now;
-      draw();
-    });
-  }
 }

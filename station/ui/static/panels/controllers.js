@@ -65,13 +65,10 @@ customElements.define("st-controllers", class Controllers extends Panel {
   }
 
   button(c, { label, title, run, look, needs = "change" }) {
+    // A button that was drawn anew under a pointer at rest is entered, too.
+    const enter = ({ clientX, clientY }) => (clientX !== this.pointer?.clientX || clientY !== this.pointer.clientY) && look();
     return html`<button class=${label === "Start" ? "s primary" : "s"} type="button" title=${title} aria-label="${label} ${c.name}" .rule=${{ needs }} ?disabled=${live(!store.can(needs))}
-      @click=${run} @focus=${look} @pointerenter=${look && ((event) => this.isPointedAt(event) && look())}>${SIGNS[label] ?? label}</button>`;
-  }
-
-  /** Whether a pointer came to a button: one that was drawn anew under a pointer at rest is entered, too. */
-  isPointedAt({ clientX, clientY }) {
-    return clientX !== this.pointer?.clientX || clientY !== this.pointer.clientY;
+      @click=${run} @focus=${look} @pointerenter=${look && enter}>${SIGNS[label] ?? label}</button>`;
   }
 
   /** Say something that is newer than what is asked for. */

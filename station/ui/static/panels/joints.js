@@ -39,7 +39,12 @@ customElements.define("st-joints", class Joints extends Panel {
     this.append(this.table, this.far, this.forecast.element, this.state, this.poses());
     units.addEventListener("change", () => this.showUnit());
     this.showUnit();
-    this.drawWithJoints(DRAW_HZ, () => this.draw());
+    store.addEventListener("joints", () => {
+      const now = performance.now();
+      if (now - this.drawnAt < 1000 / DRAW_HZ || !this.isShown || document.hidden) return;
+      this.drawnAt = now;
+      this.draw();
+    });
     teleoperation.addEventListener("change", () => this.isShown && this.showState());
   }
 
