@@ -2,14 +2,9 @@
 // the first minute and the progress line show. Each panel is a file in `panels/`.
 import { watchAgents } from "./lib/agents.js";
 import { alarms } from "./lib/alarms.js";
-import { html, isNarrow, kept, nothing, press, render, repeat, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
+import { act, enableSliders, html, isNarrow, kept, nothing, number, press, refusals, remedyOf, render, repeat, show, stopController, store, switchTo, teleoperation, units } from "./lib/panel.js";
 import { layoutNames, layoutPath } from "./lib/plot_layouts.js";
-import { refusals, remedyOf } from "./lib/refusals.js";
-import { act, teleoperation } from "./lib/station.js";
-import { enableSliders, stopController, store, switchTo } from "./lib/store.js";
-import { number } from "./lib/text.js";
-import { units } from "./lib/units.js";
 import { showViewTools, watchScene } from "./lib/view_tools.js";
 import "./panels/joints.js";
 import "./panels/controllers.js";

@@ -1,9 +1,7 @@
 // What agents ask for: who, what, with what, and a person's answer. It lies over the picture,
 // so that it moves nothing below the pointer.
-import { html, nothing, press, render, repeat } from "./dom.js";
+import { act, follow, html, nothing, peek, press, render, repeat, store } from "./panel.js";
 import { Forecast, stepOf } from "./forecast.js";
-import { act, follow, peek } from "./station.js";
-import { store } from "./store.js";
 
 const TICK_MS = 1000;
 const ANSWERS = [

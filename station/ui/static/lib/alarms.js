@@ -1,9 +1,6 @@
 // The alarms of the station: what asks for a person, and who has seen it. The strip counts
 // those that nobody has seen; the dock Timeline lists and acknowledges them.
-import { html, nothing, press, repeat, show } from "./dom.js";
-import { forPerson } from "./refusals.js";
-import { act, follow, peek } from "./station.js";
-import { units } from "./units.js";
+import { act, follow, forPerson, html, nothing, peek, press, repeat, show, units } from "./panel.js";
 
 const LOOK_MS = 2000;
 

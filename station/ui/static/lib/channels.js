@@ -1,7 +1,6 @@
 // The channels of plots: every number that the station streams or answers.
 import { addressOf, numberAt } from "./channel_maths.js";
-import { follow, peek } from "./station.js";
-import { store } from "./store.js";
+import { follow, peek, store } from "./panel.js";
 
 const FAST_HZ = 30;
 const SLOW_HZ = 10;

@@ -1,9 +1,6 @@
 // Who holds control, and how to take it, hand it over and give it back. The lease itself
 // stays in the gateway; this page only learns who holds control and whether it does.
-import { html, kept, nothing, press, render, show } from "./dom.js";
-import { refusals } from "./refusals.js";
-import { said, send } from "./station.js";
-import { store } from "./store.js";
+import { html, kept, nothing, press, refusals, render, said, send, show, store } from "./panel.js";
 
 const LOOK_MS = 1000;
 const PATH = "/workspace/control";

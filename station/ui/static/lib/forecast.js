@@ -1,10 +1,6 @@
 // What a motion would do, tried in a copy of the station or with a model of a real arm: the verdict in words, the way as a ghost.
-import { button, h, line } from "./dom.js";
+import { act, button, h, line, number, store, switchTo, units } from "./panel.js";
 import { hideGhost, showGhost, ticking } from "./ghost.js";
-import { act } from "./station.js";
-import { store, switchTo } from "./store.js";
-import { number } from "./text.js";
-import { units } from "./units.js";
 
 const PEAK = 1.875; // peak over mean speed of a motion from rest to rest
 const SHORTEST_S = 0.5;

@@ -1,6 +1,5 @@
 // The slider of a joint: where the joint is within its limits, what it is told, and a thumb.
-import { h } from "./dom.js";
-import { number } from "./text.js";
+import { h, number } from "./panel.js";
 
 const GRAB = 12; // pixels beside the thumb that belong to it
 const SEND_MS = 50; // between two places of a drag

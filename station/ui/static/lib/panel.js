@@ -1,5 +1,5 @@
 // The base of all panels: a custom element that draws when the page's knowledge changes. Panels
-// import from here what all of them work with.
+// and the modules beside them import from here what all of them work with.
 import { render } from "./dom.js";
 import { Refusal } from "./station.js";
 import { store } from "./store.js";

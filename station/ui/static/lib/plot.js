@@ -1,8 +1,6 @@
 // Charts drawn by uPlot: traces over time, over frequency or over one of them, with cursors, marks and zoom.
-import { h, html } from "./dom.js";
+import { h, html, number, units } from "./panel.js";
 import { History, csvOf } from "./history.js";
-import { number } from "./text.js";
-import { units } from "./units.js";
 import uPlot from "../vendor/uplot/uPlot.esm.js";
 
 const NEAR = 8; // pixels from a mark within which its text is shown

@@ -1,8 +1,6 @@
 // Layouts of the plots: kept at the station under a name, or in a file.
-import { h, html, nameField, press, render } from "./dom.js";
+import { act, h, html, nameField, peek, press, refusals, render } from "./panel.js";
 import { download } from "./plot.js";
-import { refusals } from "./refusals.js";
-import { act, peek } from "./station.js";
 
 const ROUTE = "/plot-layouts";
 export const layoutPath = (name) => `${ROUTE}/${encodeURIComponent(name)}`;

@@ -1,10 +1,7 @@
 // Recordings that are open: the time of the replay, and what is read of them. It moves nothing.
 import { hideGhost, showGhost, ticking } from "./ghost.js";
 import { Run, parsed, linkOf, runOfTrial, tableQuery } from "./recorded.js";
-import { refusals } from "./refusals.js";
-import { act, api, Refusal, said } from "./station.js";
-import { store } from "./store.js";
-import { number } from "./text.js";
+import { act, api, number, Refusal, refusals, said, store } from "./panel.js";
 
 const POSITION = "joint_states/position";
 

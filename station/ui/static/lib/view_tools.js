@@ -1,11 +1,7 @@
 // What lies over the 3D view: the toolbar, from where to look and what to lay over the robots,
 // the progress line, and the notice of Viser that would cover the picture. The choice of the
 // toolbar is this browser's; the gateway draws it in the views of this session alone.
-import { choice, h, holdButton, html, isNarrow, kept, nothing, offer, press, render, show } from "./dom.js";
-import { refusals } from "./refusals.js";
-import { act, send } from "./station.js";
-import { store } from "./store.js";
-import { typed } from "./text.js";
+import { act, choice, h, holdButton, html, isNarrow, kept, nothing, offer, press, refusals, render, send, show, store, typed } from "./panel.js";
 
 const LOOK_MS = 250;
 const LONG_MS = 15000;

@@ -27,15 +27,12 @@ customElements.define("st-lessons", class LessonBook extends Panel {
     this.person = h("input", { class: "name", placeholder: "your name", value: kept.get("student", ""), ariaLabel: "Name of the student", onchange: name });
     const choose = () => {
       this.result = null;
-      super.refresh();
+      this.refresh();
     };
     this.choice = choice("Lesson", [], choose);
     this.lessons = [];
-    super.refresh();
-  }
-
-  refresh() {
-    if (!this.isListed && store.docks.link === "live") this.list();
+    store.addEventListener("docks", () => !this.isListed && store.docks.link === "live" && this.isShown && this.list());
+    this.refresh();
   }
 
   async list() {
@@ -47,7 +44,7 @@ customElements.define("st-lessons", class LessonBook extends Panel {
     this.unusable = told.unusable;
     offer(this.choice, told.lessons.map((one, i) => [one.name, `${one.is_solved ? "✔ " : ""}${i + 1}. ${one.title}`]));
     if (chosen) this.choice.value = chosen;
-    return super.refresh();
+    return this.refresh();
   }
 
   async begin(lesson) {

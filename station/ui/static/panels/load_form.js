@@ -41,17 +41,11 @@ customElements.define("st-load-form", class LoadForm extends Panel {
     const name = h("input", { value: example.name, ariaLabel: "Name of the controller" });
     const load = (label, look, needs) => button(label, undefined, () => this.load(name.value.trim(), type, needs === "motion"), { class: look, needs, off: () => !name.value.trim() });
     const buttons = line(load("Load", "s", "change"), load("Load and start", "s primary", "motion"), this.other, button("Back", undefined, () => this.offerTypes(this.search.value)));
-    const parts = [h("p", {}, h("b", {}, type), " ", known?.description ?? ""), this.armChoice(type, arm), h("label", {}, "name", name), this.fields, this.text, buttons];
-    this.replaceChildren(...parts.filter(Boolean));
-  }
-
-  /** Return a choice of the arm for a type that is of one; null where there is nothing to choose. */
-  armChoice(type, arm) {
     const arms = store.docks.arms.map((one) => one.arm_id);
-    if (arms.length < 2 || !type.startsWith("franka_")) return null;
-    const one = choice("Arm of the controller", arms, () => this.chooseType(type, one.value));
-    one.value = arm || arms[0];
-    return h("label", {}, "arm", one);
+    const ofArm = choice("Arm of the controller", arms, () => this.chooseType(type, ofArm.value));
+    ofArm.value = arm || arms[0];
+    const chooser = h("label", { hidden: arms.length < 2 || !type.startsWith("franka_") }, "arm", ofArm);
+    this.replaceChildren(h("p", {}, h("b", {}, type), " ", known?.description ?? ""), chooser, h("label", {}, "name", name), this.fields, this.text, buttons);
   }
 
   /** Make the fields for some parameters, and for those that are declared besides. */
