@@ -170,7 +170,10 @@ window.addEventListener("station-back", () => {
 });
 
 async function poll() {
-  listenEverywhere();
+  // Again and again, because Viser's page replaces its document while it loads; adding
+  // the same listener twice changes nothing.
+  for (const target of [window, element("view").contentWindow])
+    for (const name of ["keydown", "keyup"]) target.addEventListener(name, onKey, true);
   await refresh();
   setTimeout(poll, element("bar").dataset.link === "live" ? POLL_MS : POLL_LOST_MS);
 }
@@ -187,13 +190,6 @@ function onKey(event) {
   event.preventDefault();
   event.stopPropagation();
   if (event.type === "keydown" && !event.repeat) stop();
-}
-
-// Again and again, because Viser's page replaces its document while it loads; adding
-// the same listener twice changes nothing.
-function listenEverywhere() {
-  for (const target of [window, element("view").contentWindow])
-    for (const name of ["keydown", "keyup"]) target.addEventListener(name, onKey, true);
 }
 
 // The docks are one script with many parts: when one of them does not load, none works.

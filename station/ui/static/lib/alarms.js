@@ -31,10 +31,6 @@ class Alarms extends EventTarget {
     for (const alarm of alarms) await act("POST", `/alarms/${alarm.id}/acknowledge`);
     await this.look();
   }
-
-  unseen() {
-    return this.list.filter((alarm) => alarm.acknowledged_at === null);
-  }
 }
 
 export const alarms = new Alarms();
@@ -57,6 +53,7 @@ function row(alarm) {
 /** Return the rows of the list as a template, and one button for all that nobody has seen. */
 export function alarmRows() {
   if (!alarms.list.length) return html`<p class="hint">Nothing asks for attention, and everything that did was seen.</p>`;
-  const all = html`<div class="line">${press("Acknowledge all", "", () => alarms.acknowledge(alarms.unseen()), { needs: "change" })}</div>`;
-  return html`${alarms.unseen().length > 1 ? all : nothing}${repeat(alarms.list, ({ id }) => id, row)}`;
+  const unseen = alarms.list.filter((alarm) => alarm.acknowledged_at === null);
+  const all = html`<div class="line">${press("Acknowledge all", "", () => alarms.acknowledge(unseen), { needs: "change" })}</div>`;
+  return html`${unseen.length > 1 ? all : nothing}${repeat(alarms.list, ({ id }) => id, row)}`;
 }

@@ -27,15 +27,9 @@ const taken = (source, data) => (source.part ? data[source.part] : data);
 export async function sample(source) {
   if (source.silent) return null;
   if (source.poll) return taken(source, (await peek(source.poll)) ?? {}) ?? null;
-  return new Promise((resolve) => {
-    const done = (data) => {
-      clearTimeout(timer);
-      end();
-      resolve(data);
-    };
-    const timer = setTimeout(() => done(null), PATIENCE_MS);
-    const end = follow(source.id, `rate=${source.hz}`, (frame) => done(frame.data));
-  });
+  const { promise, resolve } = Promise.withResolvers();
+  setTimeout(resolve, PATIENCE_MS, null);
+  return promise.finally(follow(source.id, `rate=${source.hz}`, (frame) => resolve(frame.data)));
 }
 
 /** Follow the sources of the wanted channels, and only them. */
@@ -56,21 +50,14 @@ export class Channels {
       if (!paths.has(id)) paths.set(id, new Map());
       paths.get(id).set(key, path);
     }
-    for (const [id, { end }] of [...this.followed]) if (!paths.has(id)) this.end(id, end);
-    const known = new Map(sources().map((source) => [source.id, source]));
-    for (const [id, list] of paths) {
-      const query = [...list.keys()].sort().join(",");
-      const before = this.followed.get(id);
-      if (before?.query === query) continue;
-      if (before) this.end(id, before.end);
-      const source = known.get(id);
-      if (source) this.followed.set(id, { query, end: this.begin(source, list) });
+    const queryOf = (id) => paths.has(id) && [...paths.get(id).keys()].sort().join(",");
+    for (const [id, { query, end }] of this.followed) {
+      if (query === queryOf(id)) continue;
+      end();
+      this.followed.delete(id);
     }
-  }
-
-  end(id, end) {
-    end();
-    this.followed.delete(id);
+    const begun = sources().filter(({ id }) => paths.has(id) && !this.followed.has(id));
+    for (const source of begun) this.followed.set(source.id, { query: queryOf(source.id), end: this.begin(source, paths.get(source.id)) });
   }
 
   begin(source, paths) {

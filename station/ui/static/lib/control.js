@@ -81,13 +81,9 @@ class Control {
     const holder = mine ? "" : (owner ?? "");
     watching.hidden = !holder || !store.isOperator;
     render(html`<span>${owner} holds control: here you only watch. STOP works.</span> ${button("Take control …", () => this.open({ asking: true }))}`, watching);
-    if (holder === store.holder) return this.drawPanel();
+    const isOther = holder !== store.holder;
     store.holder = holder;
-    if (store.docks) store.dispatchEvent(new Event("docks")); // buttons can do less, or more
-    return this.drawPanel();
-  }
-
-  drawPanel() {
+    if (isOther && store.docks) store.dispatchEvent(new Event("docks")); // buttons can do less, or more
     if (!this.panel.hidden) render(html`<h2>Control</h2>${this.content()}`, this.panel);
   }
 
@@ -95,10 +91,11 @@ class Control {
     const { owner, mine, since, hand_over_to: heir } = this.state;
     const at = new Date(since * 1e3).toLocaleTimeString("en-GB");
     const close = button("Close", () => this.close());
+    const offer = (to) => to && this.ask("PATCH", { hand_over_to: to });
     if (!store.isOperator) return html`${note(owner === null ? "Nobody holds control: every operator may change things." : `${owner} holds control.`)}<div class="line">${close}</div>`;
     if (mine)
       return html`${note(`You hold control as ${owner} since ${at}. The changes of others are refused; anybody can stop.`)}
-        <div class="line">${button("Give back", () => this.ask("DELETE"), "primary")}<label>Hand over to <input class="name" name="heir" maxlength="100" /></label>${button("Offer", () => this.offer())}${close}</div>
+        <div class="line">${button("Give back", () => this.ask("DELETE"), "primary")}<label>Hand over to <input class="name" name="heir" maxlength="100" /></label>${button("Offer", () => offer(this.panel.querySelector("input[name=heir]").value.trim()))}${close}</div>
         ${heir ? note(`Offered to ${heir}, who can take control now. Until then it stays yours.`) : nothing}`;
     if (owner === null)
       return html`${note("Nobody holds control: every operator may change things. Once you take it, the changes of all others are refused until you give it back or this page is closed.")}
@@ -108,11 +105,6 @@ class Control {
         <div class="line">${this.nameField()}${button(`Yes, take it from ${owner}`, () => this.take(true), "danger")}${button("No", () => this.close())}</div>`;
     return html`${note(`${owner} holds control since ${at}: your changes are refused. STOP always works.${heir ? ` Control is offered to ${heir}.` : ""}`)}
       <div class="line">${heir ? button(`Take control as ${heir}`, () => this.take(false, heir), "primary") : nothing}${button("Take it by force …", () => this.open({ asking: true }))}${close}</div>`;
-  }
-
-  async offer() {
-    const to = this.panel.querySelector("input[name=heir]").value.trim();
-    if (to) await this.ask("PATCH", { hand_over_to: to });
   }
 
   nameField() {

@@ -87,14 +87,13 @@ export function showViewTools(place) {
   const system = matchMedia("(prefers-color-scheme: dark)");
   const paint = () => quietly("PUT", "/ui/scheme", { dark: system.matches });
   system.addEventListener("change", paint);
-  const opened = () => quietly("POST", "/ui/opened", { covered: covered(place) });
   // A dashboard that was started anew knows no choice any more.
   let link = "";
   window.addEventListener("station-bar", (event) => {
     if (event.detail.link === "live" && link !== "live") {
       tell();
       paint();
-      opened();
+      quietly("POST", "/ui/opened", { covered: covered(place) });
     }
     link = event.detail.link;
   });

@@ -17,7 +17,7 @@ customElements.define("st-path", class Path extends Panel {
     this.list = h("ol", { class: "waypoints" });
     this.choice = choice("Waypoint path", [], () => this.open(this.choice.value), { title: "Paths kept by the station." });
     this.newName = nameField("Name of a new path", "new path", () => this.make());
-    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays.", ariaLabel: "Speed of the path in percent", oninput: () => this.drawTools(), onchange: () => this.isActive && this.change({ speed: this.factor }) });
+    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays.", ariaLabel: "Speed of the path in percent", oninput: () => this.drawTools(), onchange: () => this.isActive && this.ask("PATCH", "/playback", { speed: this.factor }) });
     this.forecast = new Forecast();
     this.drawTools();
     this.every(LOOK_MS, () => this.look());
@@ -42,7 +42,7 @@ customElements.define("st-path", class Path extends Panel {
         ${press("Preview", "Let a translucent robot pass the waypoints; the robot does not move", () => this.preview(), { pressed: isPreview, off: isEmpty })}
         ${press("Rehearse", "Try one round in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearsePath(this.path, { speed: this.factor }), { needs: "change", off: isEmpty })}
         ${press("▶ Play", "Move through all waypoints in order", () => this.play(), { look: "s primary", needs: "motion", off: isEmpty })}
-        ${press(isPaused ? "Resume" : "Pause", "Hold where the arm is; Resume goes on", () => this.change({ paused: !isPaused }), { needs: isPaused ? "motion" : "change", off: !isActive })}
+        ${press(isPaused ? "Resume" : "Pause", "Hold where the arm is; Resume goes on", () => this.ask("PATCH", "/playback", { paused: !isPaused }), { needs: isPaused ? "motion" : "change", off: !isActive })}
         ${press("Cancel", "End the motion; the joints hold where they are", () => this.ask("DELETE", "/playback"), { needs: "change", off: !isActive })}</div>
       <div class="line"><label class="speed">speed ${this.speed}<output>${this.speed.value} %</output></label>
         ${press("Loop", "Begin again at the end, until it is switched off", () => this.setLoop(), { pressed: Boolean(this.isLoop) })}
@@ -204,11 +204,7 @@ customElements.define("st-path", class Path extends Panel {
   setLoop() {
     this.isLoop = !this.isLoop;
     this.drawTools();
-    if (this.isActive) this.change({ loop: this.isLoop });
-  }
-
-  change(change) {
-    return this.ask("PATCH", "/playback", change);
+    if (this.isActive) this.ask("PATCH", "/playback", { loop: this.isLoop });
   }
 
   async ask(method, path, body) {

@@ -323,8 +323,7 @@ customElements.define("st-plots", class Plots extends Panel {
     const keys = labels.length === drawn.length ? drawn : entry.how === "difference" ? drawn.slice(1) : [];
     entry.time = h("span", {});
     entry.values = labels.map(() => h("output", {}));
-    const title = (label, key) => (key ? `${label}; drag it to another plot` : label);
-    const trace = (label, i) => html`<span class="trace t${i % 7}" title=${title(label, keys[i])} draggable=${Boolean(keys[i])}
+    const trace = (label, i) => html`<span class="trace t${i % 7}" title=${keys[i] ? `${label}; drag it to another plot` : label} draggable=${Boolean(keys[i])}
       @dragstart=${() => (this.dragged = { entry, key: keys[i] })} @dragend=${() => (this.dragged = null)}>${swatch(i)}${label.slice(shared.length)}${entry.values[i]}</span>`;
     render(html`<b>${!labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared}${entry.time}</b>${labels.map(trace)}`, entry.legend);
     entry.plot.place.ariaLabel = `Plot of ${labels.join(", ")}`;
