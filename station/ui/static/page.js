@@ -69,8 +69,7 @@ function showAnswer(told) {
 function newest(state) {
   if (state.stop_state === answered.state) answered.state = "";
   if (state.link === "live" && Date.now() > answered.until) answered.state = "";
-  if (!answered.state) return state;
-  return { ...state, stop_state: answered.state };
+  return answered.state ? { ...state, stop_state: answered.state } : state;
 }
 
 async function stop() {

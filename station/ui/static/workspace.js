@@ -286,10 +286,9 @@ function showTour(card) {
   let at = -1;
   const show = (isOver) => {
     document.querySelector(".toured")?.classList.remove("toured");
-    if (isOver) kept.set("tour", "done");
     card.hidden = isOver;
+    if (isOver) return kept.set("tour", "done");
     at += 1;
-    if (isOver) return;
     const { mark, opens } = steps[at].dataset;
     if (opens && isNarrow()) openDock(opens);
     document.querySelector(mark)?.classList.add("toured");

@@ -1,7 +1,7 @@
 // Numbers and names as people type them.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { inDegrees, number, sharedPrefix, shortNames, typed } from "../../../station/ui/static/lib/text.js";
+import { commonStart, inDegrees, number, rangeOf, sharedPrefix, shortNames, typed } from "../../../station/ui/static/lib/text.js";
 
 test("a number is read as people type it", () => {
   for (const [text, value] of [["0.3217", 0.3217], [" 18,5 ", 18.5], ["−2", -2], ["1e-3", 1e-3], ["+4", 4]]) assert.equal(typed(text), value);
@@ -27,4 +27,16 @@ test("joints are named by what differs", () => {
   assert.deepEqual([...shortNames(pandas).values()], ["joint1", "joint2", "finger_joint1"]);
   assert.deepEqual([...shortNames(["elbow_joint", "wrist_1_joint"]).values()], ["elbow", "wrist_1"]);
   assert.equal(sharedPrefix(["alone"]), "");
+});
+
+test("texts share what all of them begin with", () => {
+  assert.equal(commonStart(["q joint1", "q joint12", "q joint2"]), "q joint");
+  for (const texts of [[], ["alone"], ["q", "dq"]]) assert.equal(commonStart(texts), "");
+});
+
+test("a range says which of its ends there are", () => {
+  assert.equal(rangeOf({ minimum: -1, maximum: 2 }), "-1 to 2");
+  assert.equal(rangeOf({ minimum: 0, maximum: null, excludes_minimum: true }), "above 0 to ∞");
+  assert.equal(rangeOf({ maximum: 3 }), "−∞ to 3");
+  assert.equal(rangeOf({ minimum: null, maximum: null }), "");
 });

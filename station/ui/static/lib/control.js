@@ -35,9 +35,11 @@ class Control {
 
   heard(state) {
     const { owner } = state;
-    const isLost = this.state.mine && !state.mine; // to somebody else, or nobody, without this page giving it back
-    const detail = owner ? `${owner} has taken control.` : "Control has expired: the station heard nothing from this dashboard.";
-    if (isLost) refusals.add({ code: "control_held", detail, remedy: owner ? "Your changes are refused until control is yours again." : "Take it again before you go on." });
+    // Control has gone to somebody else, or nobody, without this page giving it back.
+    if (this.state.mine && !state.mine) {
+      const detail = owner ? `${owner} has taken control.` : "Control has expired: the station heard nothing from this dashboard.";
+      refusals.add({ code: "control_held", detail, remedy: owner ? "Your changes are refused until control is yours again." : "Take it again before you go on." });
+    }
     this.state = state;
     this.draw();
   }

@@ -151,11 +151,11 @@ export class Plot extends Chart {
 
   /** Put the second cursor where the first is, or take it away when it is there. */
   fix() {
-    if (!this.isOverTime) return;
-    if (this.seek) return void (this.cursor === null || this.seek(this.cursor));
+    if (!this.isOverTime || (this.seek && this.cursor === null)) return;
+    if (this.seek) return this.seek(this.cursor);
     const isThere = this.fixed !== null && this.cursor !== null && Math.abs(this.cursor - this.fixed) < this.span / 100;
     this.fixed = isThere ? null : this.cursor;
-    this.moved();
+    return this.moved();
   }
 
   /** The keys of a plot: arrows move the cursor, Enter fixes the second, + and − zoom. */

@@ -25,14 +25,8 @@ class Refusals extends EventTarget {
       last.count += 1;
       last.at = Date.now();
     } else {
-      this.entries.unshift({
-        at: Date.now(),
-        count: 1,
-        code: error.code ?? "",
-        detail: error.detail ?? error.message,
-        remedy: [own, ...(error.errors ?? []).slice(0, 3).map((e) => `${e.field}: ${e.message}`)].filter(Boolean).join(" "),
-        request,
-      });
+      const remedy = [own, ...(error.errors ?? []).slice(0, 3).map((e) => `${e.field}: ${e.message}`)].filter(Boolean).join(" ");
+      this.entries.unshift({ at: Date.now(), count: 1, code: error.code ?? "", detail: error.detail ?? error.message, remedy, request });
       this.entries.length = Math.min(this.entries.length, 100);
     }
     this.dispatchEvent(new Event("change"));

@@ -99,8 +99,10 @@ customElements.define("st-path", class Path extends Panel {
 
   async capture() {
     const told = await act("POST", `${this.url}/capture`, {});
-    if (told) this.says = `Captured ${told.waypoints.at(-1).name} of ${told.name}.`;
-    if (told) this.draw(told);
+    if (told) {
+      this.says = `Captured ${told.waypoints.at(-1).name} of ${told.name}.`;
+      this.draw(told);
+    }
     this.read().catch(() => {});
   }
 
@@ -145,7 +147,7 @@ customElements.define("st-path", class Path extends Panel {
       const duration = typed(input.value);
       if (duration !== null) return change({ duration });
       refusals.add({ code: "not_a_number", detail: `“${input.value}” is not a number.`, remedy: "Type seconds, such as 1.5." });
-      return (input.value = String(point.duration));
+      input.value = String(point.duration);
     });
     const swap = (j) => () => this.save(waypoints.with(i, waypoints[j]).with(j, point));
     const title = Object.entries(point.positions).map(([joint, q]) => `${joint.slice(prefix.length)}: ${number(q, 4)}`).join("\n");
