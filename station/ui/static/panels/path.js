@@ -150,13 +150,14 @@ customElements.define("st-path", class Path extends Panel {
       input.value = String(point.duration);
     });
     const swap = (j) => () => this.save(waypoints.with(i, waypoints[j]).with(j, point));
+    const set = tool("Set", "Replace by where the arm is now", () => change({ positions: here(point) }));
     const title = Object.entries(point.positions).map(([joint, q]) => `${joint.slice(prefix.length)}: ${number(q, 4)}`).join("\n");
     // A waypoint is shown as a ghost while the pointer or the focus is on its button.
     const isFree = () => !this.stopPreview;
     const look = () => isFree() && showGhost(point.positions, `waypoint ${point.name}`);
     const leave = () => isFree() && hideGhost();
     return html`<li title=${title}>${name}${seconds} s
-      <span @pointerover=${look} @focusin=${look} @pointerout=${leave} @focusout=${leave}>${tool("Go", "Move to this waypoint", () => this.play(i), { needs: "motion" })}</span>${tool("Set", "Replace by where the arm is now", () => change({ positions: here(point) }))}${tool("↑", "Move up", swap(i - 1), { off: i === 0 })}${tool("↓", "Move down", swap(i + 1), { off: i === waypoints.length - 1 })}${tool("✕", "Remove", () => this.save(waypoints.toSpliced(i, 1)))}
+      <span @pointerover=${look} @focusin=${look} @pointerout=${leave} @focusout=${leave}>${tool("Go", "Move to this waypoint", () => this.play(i), { needs: "motion" })}</span>${set}${tool("↑", "Move up", swap(i - 1), { off: i === 0 })}${tool("↓", "Move down", swap(i + 1), { off: i === waypoints.length - 1 })}${tool("✕", "Remove", () => this.save(waypoints.toSpliced(i, 1)))}
     </li>`;
   }
 

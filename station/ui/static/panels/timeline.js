@@ -13,7 +13,8 @@ customElements.define("st-timeline", class Timeline extends Panel {
   build() {
     this.chosen = "events";
     this.buttons = Object.entries(SOURCES).map(([id, title]) => button(title, undefined, () => this.choose(id), { data: { id } }));
-    this.record = button("Record", "Record every cycle, until it is clicked again.", () => (this.running ? act("POST", `/recordings/${this.running}/stop`) : act("POST", "/recordings", {})).then(() => this.ask()), { needs: "change" });
+    const record = () => (this.running ? act("POST", `/recordings/${this.running}/stop`) : act("POST", "/recordings", {}));
+    this.record = button("Record", "Record every cycle, until it is clicked again.", () => record().then(() => this.ask()), { needs: "change" });
     this.file = h("input", { type: "file", accept: ".mcap", hidden: true, onchange: () => this.upload(this.file.files[0]) });
     this.uploadButton = button("Upload …", "Keep the .mcap file of this station or another one among the recordings.", () => this.file.click(), { needs: "change", off: () => this.isUploading });
     this.fileTools = h("span", { class: "file-tools", hidden: true }, this.record, this.uploadButton, this.file);
