@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from station.core import user_files
 from station.core.control.switching import SwitchRequest
 from station.core.errors import (
     InvalidTrajectoryError,
@@ -15,6 +16,7 @@ from station.core.errors import (
 from station.library.waypoint_paths import MOST_WAYPOINTS, WaypointPaths
 from station.reports import Waypoint
 from tests.two_joint_station import make_station
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -103,7 +105,11 @@ def test_a_malformed_file_is_told_with_its_place(paths, tmp_path, text):
         paths.get("wave")
 
 
-def test_two_stations_that_capture_at_a_time_lose_no_waypoint(station, tmp_path):
+def test_two_stations_that_capture_at_a_time_lose_no_waypoint(
+    station, tmp_path, monkeypatch
+):
+    # Whoever waits is not served in order: on a busy machine one may wait for long.
+    monkeypatch.setattr(user_files, "LONGEST_WAIT", PATIENCE)
     stations = [
         WaypointPaths(station.loop, station.manager, tmp_path / "paths")
         for _ in range(4)
