@@ -4,8 +4,8 @@
 from station.core import Controller, ControllerManager, ControlLoop, RobotHW
 ```
 
-The names are those of `station.core.public`. They are imported when one is asked for,
-so that a module which needs no more than `station.core.errors` imports no more.
+The names are those of `station.core.public`. A name is imported when it is first used,
+so that a module that needs only `station.core.errors` imports nothing else.
 """
 
 from typing import TYPE_CHECKING
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> object:
-        """Return a public name, or the list of them.
+        """Return a public name, or `__all__`, the list of public names.
 
         Raises:
             AttributeError: There is no such name.

@@ -23,7 +23,7 @@ class Clock(ABC):
 
     @abstractmethod
     def sleep_until(self, deadline: float) -> None:
-        """Wait until `now() >= deadline` [s]; return at once if that has passed."""
+        """Wait until `now() >= deadline` [s]; return at once if it has passed."""
 
     @abstractmethod
     def wait_for(self, lock: threading.Lock, deadline: float) -> bool:
@@ -37,7 +37,8 @@ class Clock(ABC):
 class SystemClock(Clock):
     """The operating system's monotonic clock."""
 
-    # The function itself: the loop asks four times in a cycle.
+    # The function itself, without a method around it, because the loop reads the clock
+    # four times in a cycle.
     now = staticmethod(time.monotonic)
 
     @override
@@ -58,8 +59,8 @@ class ManualClock(VirtualTime, Clock):
     runs as fast as it can and every run is the same.
 
     Args:
-        start: First value of `now()` [s]. The default is large and odd, so that a time
-            of another clock stands out in a failing test.
+        start: First value of `now()` [s]. The default is a large, unusual number, so
+            that a time of another clock stands out in a failing test.
     """
 
     def __init__(self, start: float = 7_654_321.0) -> None:

@@ -15,7 +15,7 @@ from station.core.errors import ParameterError
 from station.core.parameters import Parameters
 
 EACH_JOINT = "<joint>"
-"""Stands in a name for the name of each joint of the controller."""
+"""Placeholder in a parameter's name for the name of each joint of the controller."""
 
 
 class ParameterType(Enum):
@@ -27,12 +27,12 @@ class ParameterType(Enum):
     NUMBERS = "numbers"
     STRINGS = "strings"
     NUMBER_OR_NUMBERS = "number_or_numbers"
-    """One number for all, or a list with one number for each."""
+    """One number for all joints or axes, or a list with one number for each."""
     MAPPINGS = "mappings"
 
 
 class NameKind(Enum):
-    """The kind of things that the strings of a parameter name."""
+    """The kind of things whose names the strings of a parameter are."""
 
     NOTHING = ""
     JOINT = "joint"
@@ -44,8 +44,8 @@ class NameKind(Enum):
 class DeclaredParameter:
     """A parameter that a controller reads when it is loaded.
 
-    The methods that read it use its name, its default and its range, and refuse what it
-    does not allow. Not for the control thread.
+    The methods that read it apply its name, its default and its range, and refuse a
+    value that is not allowed. Not for the control thread.
 
     Attributes:
         type: Type of the value.
@@ -53,8 +53,8 @@ class DeclaredParameter:
             `<joint>` in the path stands for the name of each joint.
         description: Purpose, a phrase without a full stop.
         default: Value when the parameter is absent; None when there is no fixed one.
-        unit: Unit of the numbers, where joints are concerned that of rotating joints;
-            empty without a unit.
+        unit: Unit of the numbers, empty without a unit; where a joint may turn or
+            slide, the unit for a joint that turns.
         default_text: How the default follows from the robot or other parameters; empty
             when the default is fixed or the parameter is required.
         minimum: Smallest number allowed.
@@ -62,7 +62,7 @@ class DeclaredParameter:
         maximum: Largest number allowed.
         choices: The strings allowed; empty when any is.
         size: Length that a list must have; None when any is allowed.
-        names: Kind of things that the strings name.
+        names: Kind of things whose names the strings are.
 
     Raises:
         ValueError: Default and choices contradict each other.
@@ -103,7 +103,7 @@ class DeclaredParameter:
         return replace(self, name=self.name.replace(EACH_JOINT, joint))
 
     def read_float(self, params: Parameters, default: float | None = None) -> float:
-        """Return the number.
+        """Return the parameter's value, a number.
 
         Args:
             params: The namespace in which the parameter is declared.
@@ -118,7 +118,7 @@ class DeclaredParameter:
         return value
 
     def read_bool(self, params: Parameters) -> bool:
-        """Return the boolean.
+        """Return the parameter's value, a boolean.
 
         Args:
             params: The namespace in which the parameter is declared.
@@ -130,7 +130,7 @@ class DeclaredParameter:
         return params.get_bool(self.name, default=declared)
 
     def read_str(self, params: Parameters) -> str:
-        """Return the string.
+        """Return the parameter's value, a string.
 
         Args:
             params: The namespace in which the parameter is declared.
@@ -147,7 +147,7 @@ class DeclaredParameter:
     def read_str_list(
         self, params: Parameters, default: Sequence[str] | None = None
     ) -> list[str]:
-        """Return the list of strings.
+        """Return the parameter's value, a list of strings.
 
         Args:
             params: The namespace in which the parameter is declared.
@@ -163,7 +163,7 @@ class DeclaredParameter:
         )
 
     def read_float_list(self, params: Parameters) -> list[float]:
-        """Return the list of numbers.
+        """Return the parameter's value, a list of numbers.
 
         Args:
             params: The namespace in which the parameter is declared.
@@ -183,8 +183,9 @@ class DeclaredParameter:
 
         Args:
             params: The namespace in which the parameter is declared.
-            default: Values when it is absent, which also give the number of axes; None
-                for the declared default. Infinity stands for a missing default.
+            default: Values when the parameter is absent; their count is the number of
+                axes. An infinite value means that the parameter is required. None takes
+                the declared default.
 
         Raises:
             ParameterError: The value is missing, the numbers are too many or too few,
@@ -248,7 +249,8 @@ class DeclaredParameter:
                 self.refuse(params, shown, self.allowed())
 
 
-# A declaration of each type: name, description, and default and unit if there are any.
+# One function per type; it takes the name, the description, and default and unit if
+# there are any.
 declare_boolean = partial(DeclaredParameter, ParameterType.BOOLEAN)
 declare_mappings = partial(DeclaredParameter, ParameterType.MAPPINGS)
 declare_number = partial(DeclaredParameter, ParameterType.NUMBER)

@@ -36,10 +36,10 @@ StationError
 ├── SceneObjectNotFoundError      the scene has no object of that name (KeyError)
 ├── SavedSceneNotFoundError       there is no saved scene of that name (KeyError)
 ├── SavedSceneError               a saved scene cannot be read or written (OSError)
-├── SceneRefusedError             a solid object cannot be changed so (RuntimeError)
+├── SceneRefusedError             a solid object cannot be changed now (RuntimeError)
 ├── WaypointPathNotFoundError     there is no waypoint path of that name (KeyError)
 ├── WaypointPathError             a waypoint path cannot be read or written (OSError)
-├── PathRefusedError              a path cannot be played as things are (RuntimeError)
+├── PathRefusedError              a path cannot be played now (RuntimeError)
 ├── NothingToUndoError            no change of gains is left to be taken back
 ├── GainsChangedError             the gains changed since the caller read them
 ├── RecordingNotFoundError        there is no recording of that name (KeyError)
@@ -52,7 +52,7 @@ StationError
 ├── SimulationError               a simulation refuses a request (RuntimeError)
 ├── RehearsalError                a rehearsal cannot be made (RuntimeError)
 ├── NoPathError                   there is no way to a pose, or none was found
-├── RehearsalNeededError          the caller may move nothing without one
+├── RehearsalNeededError          the caller may move nothing without a rehearsal
 ├── CertificateNotFoundError      no certificate of that name is valid (KeyError)
 ├── CertificateVoidError          something has changed since the rehearsal
 └── RobotDescriptionError         a URDF or mesh cannot be used (ValueError)
@@ -86,7 +86,8 @@ def show(value: object) -> str:
 def suggest(name: str, known: Iterable[str]) -> str:
     """Return a sentence about known names that resemble `name`.
 
-    A few names are all listed; of many, the nearest three, and how many there are.
+    The sentence lists all known names if they are few. Otherwise it gives the three
+    nearest ones and the number of all.
 
     Args:
         name: The name that is unknown.
@@ -158,7 +159,7 @@ class HardwareComponentNotFoundError(StationError, KeyError):
 
 
 class HardwareComponentError(StationError, RuntimeError):
-    """A hardware component does not change its state; it is in use, or refuses."""
+    """A hardware component keeps its state: it is in use, or refuses the change."""
 
     code = "hardware_component_state"
 
@@ -236,15 +237,16 @@ class InvalidCommandError(StationError, ValueError):
 
 
 def is_number(value: object) -> bool:
-    """Return whether a value of any type is a number; true and false are none."""
-    # Nearly every value is a float, and an abstract class takes ten times as long.
+    """Return whether a value of any type is a number; a boolean is not."""
+    # Nearly every value is a float, and `isinstance` of an abstract class takes ten
+    # times as long.
     if type(value) is float:
         return True
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def refuse_non_number(name: str, command: object) -> NoReturn:
-    """Refuse a command that is no number.
+    """Refuse a command that is not a number.
 
     Args:
         name: Commanded resource, usually a joint.
@@ -363,7 +365,7 @@ class SceneObjectNotFoundError(StationError, KeyError):
 
 
 class SceneRefusedError(StationError, RuntimeError):
-    """A solid object of a simulated world cannot be changed so while it runs."""
+    """A solid object of a simulated world refuses such a change while it runs."""
 
     code = "scene_refused"
 
@@ -381,7 +383,7 @@ class WaypointPathError(StationError, OSError):
 
 
 class PathRefusedError(StationError, RuntimeError):
-    """A waypoint path cannot be played, paused or resumed as things are."""
+    """A waypoint path cannot be played, paused or resumed in the present state."""
 
     code = "path_refused"
 

@@ -11,7 +11,7 @@ MAX_REASON = 1000
 MAX_TRACE = 20_000
 """Longest traceback [characters]; a longer one loses its beginning."""
 CONTAINED = (Exception, SystemExit)
-"""Exceptions that end the plugin that raised them, and nothing else; `exit()` too."""
+"""Exceptions that end only the plugin that raised them; `exit()` raises the second."""
 
 
 def reason_of(where: str, error: BaseException) -> str:

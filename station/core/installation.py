@@ -50,7 +50,7 @@ class MissingExtraError(StationError, ModuleNotFoundError):
 
     @override
     def __str__(self) -> str:
-        """Return the remedy, too: this ends programs, whose traceback has no other."""
+        """Return message and remedy: a traceback shows nothing else of the error."""
         return f"{self.message} {self.remedy}"
 
 
@@ -95,7 +95,7 @@ def _origin() -> Mapping[str, object]:
     Source: PyPA specification "Recording the Direct URL Origin of installed
     distributions", `direct_url.json`.
     """
-    # Imported on demand: these two take longer than most verbs of the command line.
+    # Imported on demand: these imports take longer than most verbs of the command line.
     from importlib.metadata import PackageNotFoundError, distribution
 
     try:

@@ -113,7 +113,8 @@ class ParameterTree:
 
     def _store(self, parts: list[str], value: object) -> None:
         node = self._root
-        # A key with a `/` in it stays as it is; what is new goes below what is there.
+        # An existing key that contains a `/` is kept; missing parts of the path are
+        # made below the longest part of it that exists.
         for count in range(len(parts), 0, -1):
             place = _locate(self._root, parts[:count])
             if place is None:
@@ -168,7 +169,7 @@ class Parameters:
         return self.tree.get(self.resolve(key), default)
 
     def has(self, key: str) -> bool:
-        """Return whether `key` has a value. To ask is not to read it."""
+        """Return whether `key` has a value. This does not count as a read."""
         return self.tree.get(self.resolve(key), _MISSING) is not _MISSING
 
     def set(self, key: str, value: object) -> None:
@@ -288,8 +289,9 @@ def unknown_parameters(
         known: Full paths of the known parameters; every path below one is known.
 
     Returns:
-        The path of each below the namespace, and a sentence about the names that may
-        have been meant. A namespace in which nothing is known counts as one parameter.
+        For each unknown parameter, its path below the namespace and a sentence about
+        the names that may have been meant. A namespace in which nothing is known counts
+        as one parameter.
     """
     around: dict[str, None] = {}
     for path in sorted(known):

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 SWITCH_INTERVAL = 1e-4
-"""Longest wait of the control thread for the interpreter lock behind a busy one [s]."""
+"""Longest wait of the control thread for an interpreter that a thread keeps [s]."""
 CYCLE_SWITCH_INTERVAL = 5e-3
 """How long a cycle may keep the interpreter while others wait for it [s]: the usual
 interval of Python, longer than any cycle but one that hangs."""
@@ -24,8 +24,8 @@ ROUND_ROBIN_PRIORITY = 1
 interpreter while the control thread waits for it, so a busy machine must not keep it
 off the processor (benchmarks/bench_dashboard.py)."""
 NICENESS = -10
-"""Their niceness where only that is granted. Linux compares it within a session only:
-it does not help against a browser that was started from the desktop."""
+"""Niceness of the other threads where SCHED_RR is not granted. Linux compares niceness
+within a session only: it does not help against a browser started from the desktop."""
 GC_THRESHOLDS = (50_000, 20, 50)
 """Collect rarely: the control loop makes no cycles of references."""
 
@@ -34,12 +34,12 @@ GC_THRESHOLDS = (50_000, 20, 50)
 def realtime_interpreter() -> Iterator[None]:
     """Set the interpreter up for a control thread; put everything back on exit.
 
-    Enter it once all long-lived objects exist: they are frozen out of the garbage
-    collector's sight. Threads started inside are favoured by the scheduler where that
+    Enter it once all long-lived objects exist: from then on the garbage collector
+    leaves them alone. The scheduler favours threads that are started inside, where that
     is permitted.
     """
     thresholds = gc.get_threshold()
-    # First, or the garbage of the start would be frozen, too.
+    # Collect first: otherwise the garbage of the start would be frozen, too.
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
@@ -61,7 +61,7 @@ def let_others_in() -> None:
 
 
 def keep_interpreter() -> None:
-    """Keep the interpreter through a cycle; the control thread when it has woken."""
+    """Keep the interpreter through a cycle; called when the control thread wakes."""
     sys.setswitchinterval(CYCLE_SWITCH_INTERVAL)
 
 
@@ -77,10 +77,10 @@ def switch_interval_kept() -> Iterator[None]:
 
 @contextmanager
 def ordinary_priority() -> Iterator[None]:
-    """Let the calling thread be an ordinary one, and the processes that it starts.
+    """Give ordinary priority to the calling thread and the processes that it starts.
 
-    A process inherits the scheduling of the thread that starts it. What the station's
-    threads enjoy is not meant for a dashboard, a compiler or an experiment.
+    A process inherits the scheduling of the thread that starts it. The priority of the
+    station's threads is not meant for a dashboard, a compiler or an experiment.
     """
     with _policy("SCHED_OTHER", 0, max(os.getpriority(os.PRIO_PROCESS, 0), 0)):
         yield
@@ -88,7 +88,7 @@ def ordinary_priority() -> Iterator[None]:
 
 @contextmanager
 def _policy(name: str, priority: int, niceness: int) -> Iterator[None]:
-    """Schedule the calling thread like this as far as that is permitted."""
+    """Schedule the calling thread with this policy as far as that is permitted."""
     before = os.getpriority(os.PRIO_PROCESS, 0)
     with suppress(PermissionError):
         # Ordinary users may not lower it; the station runs all the same.

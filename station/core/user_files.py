@@ -1,8 +1,7 @@
 """Folders of the user that several stations share: private, locked, read with care.
 
-Two stations of one user have the same folders. What one of them writes is
-locked for as long as that takes, by the system, so that the lock of a station that was
-killed is gone with it.
+Two stations of one user have the same folders. A station locks what it changes. The
+lock is one of the operating system, which releases it when the station is killed.
 """
 
 import fcntl
@@ -14,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 APPLICATION = "control-station"
-"""The folder among the user's data that has all others of the control station."""
+"""The folder in the user's data directory that holds all folders of the station."""
 LONGEST_WAIT = 2.0
 """Longest wait for another station that changes the same folder [s]."""
 _LOOK = 0.01
@@ -31,7 +30,7 @@ def user_folder(name: str) -> Path:
 
 
 def make_private_folder(folder: Path) -> None:
-    """Make a folder and those above it, as far as they are missing, for the user only.
+    """Make a folder and its missing parents, with access for the user only.
 
     The control station's own folder is closed to others even if it was open before; a
     folder that the user made elsewhere stays as open as it is.
@@ -55,11 +54,11 @@ def make_private_folder(folder: Path) -> None:
 
 
 def open_regular(path: Path, flags: int = os.O_RDONLY) -> int:
-    """Open a file, but no pipe and no device, which could be waited for without end.
+    """Open a regular file; refuse a pipe or a device, which may block without end.
 
     Args:
         path: The file.
-        flags: How, as `os.open` takes it.
+        flags: Flags of `os.open`.
 
     Returns:
         The descriptor.
@@ -67,7 +66,7 @@ def open_regular(path: Path, flags: int = os.O_RDONLY) -> int:
     Raises:
         OSError: The file is no regular file, or cannot be opened.
     """
-    # Without waiting: only an open file can be asked what it is.
+    # Open without waiting: the kind of a file can be checked only once it is open.
     descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_CLOEXEC, 0o600)
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
@@ -94,9 +93,9 @@ def read_regular(path: Path, most: int) -> str:
 
 
 def try_lock(descriptor: int) -> bool:
-    """Lock an open file for its descriptor only; return whether that was possible.
+    """Lock an open file for its descriptor; return False if another one has the lock.
 
-    A file system without locks has nothing that another station could take.
+    On a file system without locks this returns True: no station can take a lock there.
     """
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -114,8 +113,7 @@ def is_locked(path: Path) -> bool:
     except OSError:
         return False
     try:
-        # A shared lock: two that look at the same time do not take one another for
-        # the writer.
+        # A shared lock, so that two readers do not take one another for the writer.
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
@@ -137,11 +135,12 @@ def changing(
     Args:
         folder: The folder; it is made if it is missing.
         now: Monotonic clock [s].
-        sleep: Waits [s].
+        sleep: Function that waits a time [s].
 
     Raises:
         OSError: The folder cannot be used.
-        TimeoutError: Another process changes it for too long; an `OSError`, too.
+        TimeoutError: Another process keeps the folder locked for longer than
+            `LONGEST_WAIT`; this error is an `OSError`, too.
     """
     make_private_folder(folder)
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)

@@ -33,7 +33,7 @@ _MAX_LENGTH = 100
 
 
 def parse_angle(text: str) -> float:
-    """Return the angle [rad] that `rad(…)`, `deg(…)` or a bare expression says.
+    """Return the angle [rad] of the text `rad(…)`, `deg(…)` or a bare expression.
 
     Args:
         text: Numbers, `pi`, `+ - * /` and parentheses; degrees inside `deg(…)`.
@@ -120,8 +120,8 @@ class _Loader(yaml.SafeLoader):
     def compose_node(self, parent: yaml.Node | None, index: object) -> yaml.Node | None:
         """Return the next node; refuse it where it is nested too deep.
 
-        Here, and not when the whole text is known: the parser needs seconds for some
-        thousand open brackets.
+        The depth is checked here, before the whole text is parsed, because the parser
+        needs seconds for some thousand open brackets.
 
         Raises:
             ComposerError: The text is nested too deep.
@@ -140,7 +140,7 @@ class _Loader(yaml.SafeLoader):
     def resolve(
         self, kind: type[yaml.Node], value: str | None, implicit: object
     ) -> str:
-        """Return the tag of a node; plain scalars by whole match."""
+        """Return the tag of a node; a pattern must match the whole plain scalar."""
         if kind is yaml.ScalarNode and isinstance(implicit, tuple) and implicit[0]:
             for tag, pattern in self.yaml_implicit_resolvers[None]:
                 if pattern.fullmatch(value or ""):
@@ -168,7 +168,7 @@ class TextKind:
 FILE = TextKind(1_000_000, 100_000, "Correct the file and start again.")
 """A file of the user who runs the program."""
 FORM = TextKind(32_768, 5_000, "Correct the text.")
-"""What somebody has typed or pasted elsewhere: a controller's parameters."""
+"""Text that somebody has typed or pasted elsewhere: a controller's parameters."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,7 +221,7 @@ def parse_yaml(text: str, name: str, kind: TextKind = FILE) -> YamlDocument:
 
     Args:
         text: The YAML text.
-        name: Stands for the file in messages.
+        name: Name of the text in messages, in place of a file.
         kind: Kind of the text's source.
 
     Raises:
@@ -246,7 +246,7 @@ def parse_value(text: str, name: str) -> object:
 
     Args:
         text: The YAML text.
-        name: Stands for the file in messages.
+        name: Name of the text in messages, in place of a file.
 
     Raises:
         ConfigError: The text is not YAML, or holds something that is refused.

@@ -1,16 +1,18 @@
 """Poses and Jacobians of arms, and the equation between twists and joint motions.
 
-Most functions are for an arm whose links form a chain of revolute joints. Of a tree of
-other joints only the poses are computed; `JointChain` is the way through one.
+Most functions are for an arm whose links form a chain of revolute joints. For a tree of
+joints that turn or slide, `place_tree` computes the poses; a `JointChain` is the chain
+of joints that leads through such a tree to one frame.
 
 A chain of n joints is given by 4 (n + 1) numbers, a [m], d [m], cos alpha and sin alpha
 of each joint and of the flange, after Craig's convention of Denavit and Hartenberg: the
 frame of a link is the one of the link before, turned by alpha about x, moved by a along
 x and d along its own z, and turned by the joint's position about z.
 
-Poses have 16 numbers, flat and column-major. The poses of the links and of the flange,
-which follow each other in one array, are written by elements: their last rows stay what
-they are. A Jacobian has 6 n numbers, column-major, rows vx vy vz wx wy wz.
+A pose has 16 numbers, flat and column-major. The functions here write only its first
+three rows; the last row stays 0 0 0 1. The poses of the links and of the flange follow
+each other in one array. A Jacobian has 6 n numbers, column-major, rows vx vy vz wx wy
+wz. The outer axes of a pose are those of the frame in which the pose is given.
 """
 
 from collections.abc import Sequence
@@ -20,7 +22,7 @@ from station.memory.doubles import Doubles, Storage, doubles, indices, zeros
 from station.memory.functions import cosine, sine
 
 TREE_ROW = 17
-"""Numbers of a link of a tree, see `place_tree`."""
+"""Count of the numbers that describe one link of a tree, see `place_tree`."""
 _TREE_ROW = TREE_ROW  # as a C number, by the .pxd
 _IDENTITY = (
     1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0,
@@ -75,10 +77,10 @@ def place_tree(tree: Doubles, q: Storage, links: Storage) -> None:
 
     Args:
         tree: `TREE_ROW` numbers for each link, parents first: the index of its parent,
-            -1 for the base; the index of its joint; 0 for a joint that turns about z
-            and 1 for one that slides along it; the factor and the offset of its
-            position by that of the joint; its axes and its origin in the frame of the
-            parent at 0.
+            -1 for the base; the index of its joint; 0 if the link turns about z, 1 if
+            it slides along z; factor and offset that give the link's position from that
+            of the joint; the link's axes and origin in the parent's frame at position
+            0.
         q: Positions of the joints [rad or m].
         links: Receives the poses, 16 numbers each.
     """
@@ -170,7 +172,7 @@ def turn_to_outer_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None
 
 
 def twist_of(jacobian: Doubles, rates: Doubles, result: Doubles) -> None:
-    """Write J dq, or the acceleration J ddq.
+    """Write the twist J dq of joint velocities, or J ddq of joint accelerations.
 
     Args:
         jacobian: The Jacobian J of n joints.
@@ -190,7 +192,7 @@ def twist_of(jacobian: Doubles, rates: Doubles, result: Doubles) -> None:
 
 
 def torques_of(jacobian: Doubles, wrench: Doubles, result: Doubles) -> None:
-    """Write J^T F.
+    """Write the joint torques J^T F of a wrench.
 
     Args:
         jacobian: The Jacobian J of n joints.
@@ -243,7 +245,8 @@ def measure_accelerations(
     for link in range(len(sensors) // 16):
         if link > 0:
             k = 16 * (link - 1)
-            # The way to this link's origin, which turns with the link before.
+            # From the origin of the link before to this link's; it turns with the
+            # link before.
             rx, ry, rz = links[k + 12] - px, links[k + 13] - py, links[k + 14] - pz
             px, py, pz = links[k + 12], links[k + 13], links[k + 14]
             sx, sy, sz = wy * rz - wz * ry, wz * rx - wx * rz, wx * ry - wy * rx
@@ -285,11 +288,11 @@ def least_rates(
     damping: float,
     result: Doubles,
 ) -> None:
-    """Write the least joint velocities with a twist, damped near singular poses.
+    """Write the least joint velocities that give a twist, damped near singular poses.
 
     Args:
         jacobian: The Jacobian of n joints.
-        twist: The twist [m/s, rad/s], shape (6,); lost.
+        twist: The twist [m/s, rad/s], shape (6,); it is overwritten.
         matrix: Memory for 36 numbers.
         damping: Square of the damping, > 0.
         result: Receives the velocities [rad/s], shape (n,).
@@ -323,9 +326,9 @@ class JointChain:
     """The joints between a base and a frame.
 
     Args:
-        size: Number n of the positions that are given; the chain may have fewer joints.
-        origins: Pose of each joint of the chain in the frame that carries it, and at
-            last of the frame in that of the last joint, 16 numbers each.
+        size: Number n of the joint positions; the chain may have fewer joints.
+        origins: Pose of each joint of the chain in the frame that carries it, then the
+            pose of the frame in that of the last joint, 16 numbers each.
         axes: Axis of each joint of the chain in its own frame, 3 numbers each.
         turns: 1 for each joint that turns, 0 for each that slides.
         places: Index among the n positions of each joint of the chain.
@@ -430,7 +433,8 @@ class WrenchEquation:
             d, e, f = jacobian[k + 3], jacobian[k + 4], jacobian[k + 5]
             if not (a or b or c or d or e or f):
                 continue  # a joint that is kept where it is
-            # Of three numbers at most, Python makes no tuple first.
+            # Without tuples: Python makes none for an assignment of at most three
+            # numbers.
             g00, g10, g11 = g00 + a * a, g10 + b * a, g11 + b * b
             g20, g21, g22 = g20 + c * a, g21 + c * b, g22 + c * c
             g30, g31, g32 = g30 + d * a, g31 + d * b, g32 + d * c

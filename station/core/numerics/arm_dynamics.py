@@ -1,10 +1,10 @@
 """Mass matrix, Coriolis and gravity torques of an arm that is a chain of links.
 
-All is computed in the axes of the base and about its origin, so that links add up
-without being moved. A link has a mass m [kg], a first moment m c [kg m] and a matrix of
-second moments, the integral of x x^T over the mass [kg m^2]; from the latter follow the
-inertia and every moment of a field of accelerations. These are 10 numbers per link: m,
-then the first moments x y z, then the second moments xx yy zz xy xz yz.
+All is computed in the axes of the base and about its origin, so that the numbers of
+links can be added directly. A link has a mass m [kg], a first moment m c [kg m] and a
+matrix of second moments, the integral of x x^T over the mass [kg m^2], from which the
+inertia and every moment of a field of accelerations follow. These are 10 numbers per
+link: m, then the first moments x y z, then the second moments xx yy zz xy xz yz.
 """
 
 from collections.abc import Sequence
@@ -19,14 +19,14 @@ class ArmDynamics:
 
     Args:
         chain: The chain of n joints, see `arm_chain`.
-        bodies: Mass and moments of the links in their own frames, 10 n numbers; looked
-            at again in `change_bodies`.
+        bodies: Mass and moments of the links in their own frames, 10 n numbers;
+            `change_bodies` reads them again.
         links: Memory for the poses of the links and the flange, see `new_links`.
 
     Attributes:
         changes: How often `bodies` were changed.
-        version: How often they or the joint positions were: what was computed for one
-            version holds until the next.
+        version: How often `bodies` or the joint positions were changed. A result is
+            valid as long as the version is the same.
     """
 
     def __init__(self, chain: Doubles, bodies: Doubles, links: Storage) -> None:
@@ -57,7 +57,7 @@ class ArmDynamics:
         self.move_links(viewed(q))
 
     def move_links(self, q: Doubles) -> None:
-        """Do the same with joint positions in memory."""
+        """Bring the poses up to date with joint positions [rad] in memory, (n,)."""
         own, differs = self.q, 0
         for i in range(self.size):
             if q[i] != own[i]:
@@ -69,7 +69,7 @@ class ArmDynamics:
             self.version += 1
 
     def change_bodies(self) -> None:
-        """Take note of new numbers in the bodies that were given."""
+        """Read `bodies` again, after their owner has changed them."""
         copy_into(self.bodies, 0, self.given, 10 * self.size)
         self.changes += 1
         self.version += 1
@@ -141,7 +141,8 @@ class ArmDynamics:
             k = 6 * joint
             a, b, c = screws[k], screws[k + 1], screws[k + 2]
             u, v, w = screws[k + 3], screws[k + 4], screws[k + 5]
-            # Force and moment about the base's origin that accelerate it at 1 rad/s^2.
+            # Force and moment about the base's origin that accelerate this body at
+            # 1 rad/s^2.
             fx = m * u + b * hz - c * hy
             fy = m * v + c * hx - a * hz
             fz = m * w + a * hy - b * hx
@@ -197,7 +198,7 @@ class ArmDynamics:
         links, moments, screws = self.links, self.moments, self.screws
         wrenches = self.wrenches
         # Angular velocity; acceleration of the body's point at the base's origin; and
-        # the matrix W that gives the acceleration of every other point, a + W x.
+        # the matrix W, with which the point x has the acceleration a + W x.
         wx, wy, wz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         ex, ey, ez, w00, w01, w02 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         w10, w11, w12, w20, w21, w22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

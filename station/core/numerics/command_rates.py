@@ -21,7 +21,7 @@ def low_pass(
         last: The filter's last output, shape (>= size,).
         gain: Share of the new commands, 0 to 1; 1 is off.
         result: Receives the output, shape (>= size,).
-        size: How many there are.
+        size: Number of commands.
     """
     rest = 1.0 - gain
     if gain < 1.0:
@@ -78,11 +78,11 @@ def limited(
 
 
 def limit_steps(values: Storage, last: Doubles, largest: float) -> None:
-    """Replace values by the nearest ones that are at most a step from the last ones.
+    """Limit the step of each value from its last one.
 
     Args:
-        values: The values, shape (n,); NaN stays.
-        last: Those of the last cycle, shape (n,).
+        values: The values, shape (n,); NaN stays NaN.
+        last: The values of the last cycle, shape (n,).
         largest: Largest step, > 0.
     """
     for i in range(len(values)):
@@ -99,8 +99,8 @@ class CommandRates:
     """Filters and limits the commands of n joints, one kind per cycle.
 
     Args:
-        tau_J_d: Desired torques of the last cycle [Nm], shape (n,); as the next three,
-            the commands that a new one is compared with.
+        tau_J_d: Desired torques of the last cycle [Nm], shape (n,). New commands are
+            compared with these and with the next three, which are of that cycle, too.
         q_d: Desired positions [rad].
         dq_d: Desired velocities [rad/s].
         ddq_d: Desired accelerations [rad/s^2].
@@ -124,7 +124,7 @@ class CommandRates:
         is_limiting: Whether the rates are limited.
         lowest: Lowest velocities at the present positions [rad/s], shape (n,).
         highest: Highest velocities at the present positions [rad/s].
-        goals: The controllers' positions [rad].
+        goals: The positions that the controllers commanded [rad].
         has_goals: Whether `goals` were noted in an earlier cycle of this motion.
         passes_next: Whether the low-pass lets the next positions pass unchanged.
         result: The command to send, shape (n,).
@@ -252,7 +252,7 @@ class CommandRates:
                 goal = upper[i]
             if goal < lower[i]:
                 goal = lower[i]
-            # The first goal has none before it: it counts as at rest.
+            # The first goal counts as one at rest, because there is none before it.
             last_goal = last_goals[i] if has_goals else goal
             last_goals[i] = goal
             position, velocity, last_acceleration = result[i], dq_d[i], ddq_d[i]
@@ -264,12 +264,12 @@ class CommandRates:
                 and last_acceleration == 0.0
                 and lows[i] <= 0.0 <= highs[i]
             ):
-                result[i] = last  # what follows would come to the same
+                result[i] = last  # the steps below would give the same
                 continue
             # The step after which the joint can still stop at its goal.
             goal_velocity, speed = (goal - last_goal) / period, speeds[i]
             if goal_velocity > speed or goal_velocity < -speed:
-                goal_velocity = 0.0  # a goal that makes a step
+                goal_velocity = 0.0  # the goal jumps
             distance = goal - last
             if distance < 0.0:
                 distance = -distance

@@ -65,12 +65,12 @@ def percentiles_of(
 
     Args:
         durations: The kept durations [s], shape (n,), n may be 0.
-        largest: The largest one ever [s].
-        count: How many there were.
+        largest: The largest duration, kept or not [s].
+        count: Number of durations, kept or not.
     """
     if durations.size == 0:
         return Percentiles(0.0, 0.0, 0.0, 0.0, 0)
-    # Not by np.percentile: its first call imports for 50 ms, beside the cycles.
+    # np.percentile is not used: its first call imports for 50 ms, while cycles run.
     durations.sort()
     places = np.multiply((0.5, 0.99, 0.999), durations.size - 1)
     p50, p99, p999 = np.interp(places, np.arange(durations.size), durations).tolist()
@@ -84,8 +84,8 @@ class CycleTimes:
         capacity: Number of cycles that are kept, >= 1.
 
     Attributes:
-        rows: The ring: reading, updating the controllers, writing, and all of it of one
-            cycle after the other [s], 4 numbers each.
+        rows: The ring, 4 durations [s] for each cycle: reading, updating the
+            controllers, writing, and the whole cycle.
         count: Number of cycles since the last reset.
         longest_read, longest_update, longest_write, longest_total: Longest of each part
             since the last reset [s].

@@ -18,7 +18,7 @@ _LIMIT_ROUNDING: float = 1e-9
 """An angle that exceeds a limit by less than this counts as being on it [rad]."""
 
 PLAIN = 0.0
-"""A joint whose error is the difference: linear, or of a quantity without turns."""
+"""A joint that slides, or a value that is no angle: the error is the difference."""
 CONTINUOUS = 1.0
 """A joint that takes the shorter of the two ways round."""
 BOUNDED = 2.0
@@ -134,7 +134,7 @@ class JointErrors:
         lowest = -highest
         for k in range(self.n):
             error = desired[k] - measured[k]
-            # Only beyond half a turn can the way of a joint differ from the difference.
+            # The short way differs from the difference only beyond half a turn.
             if not lowest <= error <= highest:
                 wrapping = self.wrapping[k]
                 if wrapping == CONTINUOUS:

@@ -148,10 +148,10 @@ class PidGains:
 
     @classmethod
     def of_joints(cls, params: Parameters, joints: Sequence[str]) -> "list[PidGains]":
-        """Read the gains of every joint from wherever ROS files have them.
+        """Read the gains of every joint from the places where ROS files have them.
 
-        These are `<joint>/pid`, `<joint>`, `gains/<joint>`, and `pid` for a controller
-        of one joint; see `from_parameters`.
+        The places are `<joint>/pid`, `<joint>`, `gains/<joint>`, and `pid` for a
+        controller of one joint; see `from_parameters`.
 
         Args:
             params: The controller's namespace.

@@ -1,8 +1,9 @@
 """Poses, rotation vectors and twists as lists of floats, for code outside the cycle.
 
 A pose has 16 numbers, flat and column-major: T(r, c) = T[4 c + r]. A rotation is the
-upper left 3 x 3 block of a pose. `rigid_motion` has the same over memory that the
-caller owns, for functions of every cycle.
+upper left 3 x 3 block of a pose. `rigid_motion` has the same functions for memory that
+the caller owns, for code that runs in every cycle. The outer axes of a pose are those
+of the frame in which the pose is given.
 """
 
 from collections.abc import Sequence
@@ -29,7 +30,7 @@ def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[fl
 def displace(
     pose: Sequence[float], shift: Sequence[float], turn: Sequence[float]
 ) -> list[float]:
-    """Return a pose moved by a shift and a rotation vector, given in the outer axes.
+    """Return a pose moved by a shift and a rotation vector in its outer axes.
 
     The rotation of the result is orthonormal despite rounding.
 

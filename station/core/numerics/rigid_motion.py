@@ -1,14 +1,15 @@
 """Poses, rotation vectors and twists in memory that the caller owns.
 
 A pose has 16 numbers, flat and column-major: T(r, c) = T[4 c + r]. Its last row is not
-read, and written as 0 0 0 1. A result may be written over an argument.
+read, and is written as 0 0 0 1. A result may be written over an argument. The outer
+axes of a pose are those of the frame in which the pose is given.
 """
 
 from station.memory.doubles import Doubles, Storage
 from station.memory.functions import arctangent, cosine, sine, square_root
 
 SMALL = 1e-9
-"""Sine of an angle below which the angle is taken for none, or for half a turn."""
+"""Sine below which an angle counts as 0, or as half a turn."""
 
 
 def compose(first: Storage, second: Doubles, result: Doubles) -> None:
@@ -102,7 +103,7 @@ def twist_between(
 def displace(pose: Doubles, way: Doubles, share: float, result: Doubles) -> None:
     """Write a pose moved by a translation and a rotation vector in the outer axes.
 
-    The rotation of the result is orthonormal despite rounding, if the one of the pose
+    The rotation of the result is orthonormal despite rounding, if that of the pose
     nearly is; its x axis keeps its direction.
 
     Args:

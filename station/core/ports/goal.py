@@ -32,7 +32,7 @@ class GoalResult:
 
     Attributes:
         code: The number that the action defines for this end; 0 for success, and for a
-            goal that was ended from outside of its controller.
+            goal that was ended from outside its controller.
         message: One sentence for people; empty on success.
         details: The facts of the message (JSON-compatible values).
     """
@@ -55,13 +55,13 @@ class Goal:
         result: How the goal ended; None until then.
         cancel_requested: Whether the goal was asked to end.
         cancel_reason: Why it was asked to end, in one sentence.
-        receipt: Notes the cycle that takes the goal; None for nowhere.
-        ended: Notes the cycle that ends the goal on request;
-            None for nowhere.
+        receipt: Notes the cycle in which the controller takes the goal; None if that
+            cycle is noted nowhere.
+        ended: Notes the cycle in which the goal ends on request; None likewise.
         feedback: Returns the action's feedback message (JSON-compatible values), which
             is empty unless the controller replaces this function. Any thread.
-        explain: Returns a sentence that an abort's message ends with, or nothing.
-            Control thread.
+        explain: Returns a sentence to end the message of an abort with, or an empty
+            text. Control thread.
     """
 
     def __init__(self, identifier: str, request: Mapping[str, object]) -> None:
@@ -109,7 +109,7 @@ class Goal:
         return True
 
     def withdraw(self, reason: str) -> None:
-        """End the goal from outside of its controller, whether it has begun or not.
+        """End the goal from outside its controller, whether it has begun or not.
 
         Callable from any thread: a controller that takes the goal up at the same time
         sees `cancel_requested` and ends the motion. A goal that has ended stays as it
@@ -192,7 +192,7 @@ class GoalPort(ABC):
         return goal
 
     def void(self, reason: str) -> None:
-        """End every goal for good. Callable from any thread.
+        """End every goal from outside its controller. Callable from any thread.
 
         Args:
             reason: Why the goals end, in one sentence.

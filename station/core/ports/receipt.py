@@ -1,4 +1,7 @@
-"""The cycle that picked a command up, and further facts for a re-run."""
+"""Receipts of commands: the cycle that picked a command up, and facts for a re-run.
+
+A re-run repeats recorded cycles with the same commands in the same cycles.
+"""
 
 import threading
 from collections.abc import Callable
@@ -7,8 +10,8 @@ from collections.abc import Callable
 class _Thread(threading.local):
     """The cycle in which the update of this thread began; None in the control thread.
 
-    An asynchronous update goes on in later cycles, but whatever it reads counts from
-    the cycle in which it began: there a re-run carries it out as a whole.
+    An asynchronous update goes on in later cycles, but counts as part of the cycle in
+    which it began: a re-run carries out the whole update in that cycle.
     """
 
     cycle: int | None = None
@@ -18,20 +21,20 @@ update_of_thread = _Thread()
 
 
 class Receipt:
-    """Goes with a command, and is noted on by the control thread.
+    """A note that goes with a command; the control thread writes on it.
 
     Args:
         present_cycle: Returns the number of the present cycle.
 
     Attributes:
-        cycle: The cycle whose update was the first with the command; None while none
-            has picked it up, which stays so when a newer command came before.
-        done: Released once `cycle` is there.
-        ended: The cycle in which a set-point expired; None while it has not.
+        cycle: The first cycle whose update used the command; None before that, and for
+            ever if a newer command replaced it first.
+        done: A lock that is released once `cycle` is known.
+        ended: The cycle in which a set-point expired; None before that.
         planned_at: Station time of the cycle whose state a trajectory was planned from
             [s]; None for commands without a plan.
-        held: List of commands that a re-run hands over later; None hands them over
-            at once.
+        held: Commands that a re-run keeps until their cycle; None hands each command
+            over at once.
     """
 
     def __init__(self, present_cycle: Callable[[], int]) -> None:
@@ -45,13 +48,13 @@ class Receipt:
         self.held: list[Callable[[], None]] | None = None
 
     def pick_up(self) -> None:
-        """Note the present cycle; in an update or the control thread."""
+        """Note the present cycle; called in an update or in the control thread."""
         if self.cycle is None:
             self.cycle = self._cycle_of_update()
             self.done.release()
 
     def end(self) -> None:
-        """Note that the set-point expires now; in an update or the control thread."""
+        """Note that the set-point expires in this cycle; called as `pick_up`."""
         self.ended = self._cycle_of_update()
 
     def _cycle_of_update(self) -> int:
@@ -61,7 +64,7 @@ class Receipt:
     def hand_over(self, deposit: Callable[[], None]) -> None:
         """Call `deposit`, which gives the command to the control thread.
 
-        A re-run lets it wait for the cycle that the recording names.
+        A re-run keeps it until the cycle that the recording names.
         """
         if self.held is None:
             deposit()

@@ -23,9 +23,9 @@ from station.core.ports.receipt import Receipt
 from station.memory.doubles import put, zeros
 
 RANGE_TOLERANCE = 1e-4
-"""How far beyond its range a position may be asked for [rad or m].
+"""Distance beyond its range at which a position may be commanded [rad or m].
 
-Numbers are written with four digits, and a joint rests a little inside its stop.
+People write numbers with four digits, and a joint may rest a little beyond its limit.
 """
 _LENGTHS = {"rad", "m"}
 """The units of positions."""
@@ -228,8 +228,8 @@ class SetPointPort:
     def take_expiry(self) -> bool:
         """Return whether the set-point picked up last has just become invalid.
 
-        True once for each set-point. Called after `take` in every cycle, in the control
-        thread only.
+        The result is True once for each set-point. Called after `take` in every cycle,
+        in the control thread only.
         """
         if not self._has_expired():
             return False
@@ -242,11 +242,11 @@ class SetPointPort:
         return True
 
     def take_changes(self) -> tuple[bool, list[float] | None, bool]:
-        """Take the changes, for a port that follows this one. In an update only.
+        """Empty the slot for a port that follows this one. In an update only.
 
         Returns:
             Whether set-points became void, the set-point that was picked up or None,
-            and whether the one in force has expired.
+            and whether the set-point in force has expired.
         """
         return self.take_void(), self.take(), self.take_expiry()
 

@@ -148,7 +148,7 @@ class JointTrajectorySegment:
 
     Args:
         spline: The path in time, of one dimension.
-        end: The state at the end, kept for a bridge that may have to begin later.
+        end: The state at the end, kept in case the segment has to begin later.
         goal: The goal that the segment belongs to; None if it belongs to none.
         tolerances: Bounds of the error while it is executed; by default none.
         is_bridge: Whether the segment leads from an older trajectory to a new one.
@@ -201,8 +201,8 @@ def find_segment(segments: JointSegments, time: float) -> int | None:
         time: The time [s].
 
     Returns:
-        The index, which after the end is that of the last segment; None before the
-        first one.
+        The index; that of the last segment after its end, None before the first
+        segment.
     """
     index = bisect_right(segments, time, key=_start_time) - 1
     return index if index >= 0 else None
@@ -259,8 +259,8 @@ class TrajectoryOptions:
         other_time_base: The present time in the time base of `current` and of the
             result [s]; None if that is the time base of the request.
         allow_partial_joints_goal: Whether the request may leave joints out.
-        keeps_velocity: Whether a joint that moves goes on without a step of its
-            velocity when the first point has no velocities, instead of on a line.
+        keeps_velocity: Whether a moving joint continues without a step of its velocity
+            when the first point has no velocities; otherwise it moves on a line.
         goal: The goal of the new segments; None if they have none.
         tolerances: Bounds of the new segments by joint; None for no bounds.
     """
@@ -382,8 +382,8 @@ def init_joint_trajectory(
             segments = _remaining(current, times)
             end_time = times.bridge_end(points[0])
             end = states[0]
-            # Without velocities at its end a bridge is a line, as upstream: a moving
-            # joint's velocity would make a step.
+            # As upstream, a bridge without a velocity at its end is a line, on which
+            # the velocity of a moving joint would make a step.
             if options.keeps_velocity and abs(start_state.velocity[0]) > _MOVING:
                 end = _with_velocity(states)
             segments.append(

@@ -22,10 +22,10 @@ def to_seconds(nanoseconds: int) -> float:
 
 
 def uptime_seconds(nanoseconds: int) -> float:
-    """Return a time [s] as `to_seconds`, of less than 100 years."""
+    """Return a time of less than 100 years [s], converted as by `to_seconds`."""
     seconds = nanoseconds // _PER_SECOND
     rest = nanoseconds - seconds * _PER_SECOND
-    # A division in C goes towards zero.
+    # A division in C rounds towards zero.
     if rest < 0:
         seconds -= 1
         rest += _PER_SECOND

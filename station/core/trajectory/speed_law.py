@@ -24,11 +24,11 @@ class SpeedBounds:
     jerk: float
 
     def reached_from(self, speed: float, length: float) -> float:
-        """Return the largest speed to which a ramp of a length leads, or the bound.
+        """Return the largest speed that a ramp can reach, at most the bound.
 
         Args:
             speed: Speed at the beginning, >= 0; a ramp down to it has the same length.
-            length: Its length, >= 0.
+            length: Length of the ramp, >= 0.
         """
         return _largest(speed, self.speed, lambda v: self.way(speed, v) <= length)
 
@@ -37,13 +37,13 @@ class SpeedBounds:
         return 0.5 * (one + other) * self.ramp_time(abs(other - one))
 
     def ramp_time(self, change: float) -> float:
-        """Return the time in which a speed changes [s]."""
+        """Return the duration [s] of a ramp that changes the speed by `change`."""
         if change * self.jerk < self.acceleration * self.acceleration:
             return 2.0 * sqrt(change / self.jerk)
         return change / self.acceleration + self.acceleration / self.jerk
 
     def ramp(self, change: float) -> list[tuple[float, float]]:
-        """Return the phases of a change of speed: duration [s] and jerk."""
+        """Return duration [s] and jerk of each phase of a change of speed."""
         size, sign = abs(change), 1.0 if change > 0.0 else -1.0
         rise = min(sqrt(size / self.jerk), self.acceleration / self.jerk)
         level = self.ramp_time(size) - 2.0 * rise
@@ -55,7 +55,7 @@ class SpeedLaw:
     """The speed along a path.
 
     Attributes:
-        speed: At its beginning.
+        speed: Speed at the beginning.
         phases: Duration [s] and jerk of each phase.
     """
 
@@ -70,9 +70,9 @@ class SpeedLaw:
 
         Args:
             begin: Speed at the beginning.
-            end: Speed at the end; a ramp of that length must be able to reach it.
+            end: Speed at the end; a ramp of length `length` must be able to reach it.
             length: Length of the path, > 0.
-            bounds: Its bounds.
+            bounds: Bounds of the speed.
         """
 
         def ways(peak: float) -> float:
@@ -90,7 +90,7 @@ class SpeedLaw:
         return sum(duration for duration, _ in self.phases)
 
     def at(self, time: float) -> tuple[float, float, float]:
-        """Return the length behind, the speed and the acceleration.
+        """Return the length covered, the speed and the acceleration at a time.
 
         Args:
             time: Time since the beginning [s], 0 to `duration`.

@@ -9,7 +9,7 @@ from station.core.trajectory.quintic_spline_segment import (
 )
 
 _SAMPLES = 40
-"""In how many places of a segment its speed is looked at."""
+"""Number of points of a segment at which `peak_speeds` evaluates the speed."""
 
 
 def through_waypoints(
@@ -17,10 +17,10 @@ def through_waypoints(
 ) -> list[PosVelAccState]:
     """Return the states at the waypoints, at rest at the start and at the last one.
 
-    A quintic polynomial joins two states. A joint that continues in the same
-    direction passes a waypoint with the harmonic mean of the mean speeds before and
-    after it; one that turns round or waits there is at rest. So it never goes beyond
-    its waypoints.
+    A quintic polynomial joins two states. A joint that continues in the same direction
+    passes a waypoint with the harmonic mean of the mean speeds before and after it. A
+    joint that turns round or waits at a waypoint is at rest there. So no joint moves
+    beyond its waypoints.
 
     Args:
         start: Positions at the time 0 [rad or m], shape (n,).

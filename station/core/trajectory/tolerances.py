@@ -95,10 +95,10 @@ class JointTolerances:
     goal_time: float = 0.0
 
     def with_wider_goal(self, offset: float) -> "JointTolerances":
-        """Return the bounds with a wider one of the position at the end, if any.
+        """Return the bounds with a larger position bound at the end, if it has one.
 
         Args:
-            offset: By how much [rad or m], >= 0.
+            offset: Addition to the position bound [rad or m], >= 0.
         """
         if self.goal.position <= 0.0 or offset == 0.0:
             return self
