@@ -1,13 +1,14 @@
 """Update controllers in separate processes, each with its own Python interpreter.
 
-A thread of Python that computes keeps the interpreter from the control thread. In
-another process it does not: the thread of an asynchronous update only sends the states
-there, and sleeps until the commands come back. The control thread does what it does
-with any asynchronous controller, and never talks to the process.
+A thread that computes in Python keeps the interpreter from the control thread. A
+separate process does not: here the thread of an asynchronous update only sends the
+states to the process, and sleeps until the commands come back. The control thread
+treats such a controller as any other asynchronous one, and never talks to the process.
 
-The process is started when the controller is loaded, so that it is warm when it is
-needed. It initialises a controller of the same class over copies of the same handles;
-that of the station has the claims, the ports and the run-time parameters.
+The process is started when the controller is loaded, so that it is ready when it is
+needed. It initialises a second controller of the same class over copies of the same
+handles. The controller in the station has the claims, the ports and the run-time
+parameters.
 """
 
 import io
@@ -42,8 +43,8 @@ from station.memory.doubles import Storage, doubles
 _PATIENCE = 30.0
 """How long the process may take to start and to initialise the controller [s]."""
 _GRACE = 1.0
-"""How much longer than the time limit an update may take before its process is ended,
-whatever time the station has then [s]."""
+"""Time beyond the limit after which the process of an update is ended [s]. It is wall
+time; station time may stand still meanwhile."""
 
 
 class AsyncProcessError(StationError, RuntimeError):
@@ -53,13 +54,14 @@ class AsyncProcessError(StationError, RuntimeError):
 
 
 class _Request(NamedTuple):
-    """One callback in the process.
+    """A request to the process to carry out one callback.
 
     Attributes:
         method: `update`, `stopping` or `aborting`.
         arguments: Its arguments.
-        started: Station time of a start that comes first [s]; None without.
-        memory: Content of all storages.
+        started: Station time at which the process first calls `starting` [s]; None if
+            it does not.
+        memory: Content of all storages, as bytes of doubles.
         tunables: The run-time parameters, if they have changed.
         set_point: Changes of the set-point, see `SetPointPort.take_changes`.
     """
@@ -73,11 +75,11 @@ class _Request(NamedTuple):
 
 
 class _Answer(NamedTuple):
-    """Results of a callback.
+    """The results of a callback.
 
     Attributes:
-        error: Class and text of its exception.
-        memory: Content of all storages.
+        error: Exception of the callback, None if it cannot be sent, and its text.
+        memory: Content of all storages, as bytes of doubles.
         sample: The sample of the controller.
         messages: Its published messages.
     """
@@ -142,12 +144,12 @@ class ProcessUpdate(AsyncUpdate):
             (handles, self._memory, namespace.tree.get(""), namespace.path),
         )
         self._started: float | None = None
-        # A copy of this process, for a rehearsal, must leave the process alone.
+        # After a fork for a rehearsal, the copy must leave this process alone.
         self._owner = os.getpid()
         # The run-time parameters that the process has.
         self._told: Mapping[str, float] | None = None
         self._start_process()
-        # Columns would be those of this process; the samples of the other one come.
+        # Columns here would stay empty: the samples come from the other process.
         controller.sampled = None
         controller.starting = self._note_start  # type: ignore[method-assign]
         controller.update = partial(self._ask, "update")  # type: ignore[method-assign]
@@ -166,15 +168,16 @@ class ProcessUpdate(AsyncUpdate):
         if self.is_stepped():
             super()._end_with(callback, time)
         else:
-            # The control thread does not talk to the process; a start waits for this.
+            # The control thread does not talk to the process: the thread of the updates
+            # carries the callback out, and the next start waits for it.
             self.end(partial(callback, time), in_thread=True)
 
     def _note_start(self, time: float) -> None:
-        # Its commands are those of rest until the first update has ended.
+        # The commands are those of rest until the first update has ended.
         self._started = time
 
     def _ask(self, method: str, *arguments: float) -> None:
-        """Carry out a callback in the process, and take over its results.
+        """Have the process carry out a callback, and take over its results.
 
         Raises:
             AsyncProcessError: The process has ended, does not answer, or is that of
@@ -207,7 +210,7 @@ class ProcessUpdate(AsyncUpdate):
             self._end_process()
             if method == "update":
                 raise failure from error
-            # It has stopped with its process; the next start finds another one.
+            # The controller has stopped with its process; its next start needs another.
             self._start_process()
             return
         self._started, self._told = None, tunables
@@ -235,7 +238,7 @@ class ProcessUpdate(AsyncUpdate):
         """Start the process, and wait until the controller is initialised in it.
 
         Raises:
-            ControllerLoadError: It cannot be.
+            ControllerLoadError: The process or the controller did not start.
         """
         ours, theirs = socket.socketpair()
         with theirs, ordinary_priority():
@@ -328,7 +331,7 @@ def _fill(storages: list[Storage], memory: bytes) -> None:
         at += len(storage)
 
 
-# With `-m` the module would be there twice: its classes could not be sent.
+# With `-m` the module would exist twice, and its classes could not be unpickled.
 _MAIN = "from station.core.control.async_process import serve; serve()"
 
 
@@ -350,7 +353,7 @@ class _ViewsHW(RobotHW):
 
 def serve() -> None:
     """Initialise a controller and carry out its callbacks, until the station ends."""
-    # The station's signals are not meant for it: it ends with the connection.
+    # The process ignores the station's signals: it ends with the connection.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     connection = Connection(int(sys.argv[1]))
     sys.path[:] = connection.recv()

@@ -1,8 +1,9 @@
 """Controllers whose updates run in threads of their own, beside the cycle.
 
 An asynchronous controller has private copies of the states and commands that it uses.
-The control thread copies the states of a cycle before an update, and the commands when
-the update has ended; in between the commands of before stay in force.
+The control thread copies the states of a cycle into them before an update, and the
+commands out of them when the update has ended; until then the robot keeps the commands
+of the last update.
 
 Source: ros2_control@4.x controller_interface_base.cpp, trigger_update; differs: an
 update sees the states of one cycle; an update that does not end stops its controller.
@@ -33,7 +34,7 @@ class ControllerHW(PrivateRobotHW):
         hw: The robot.
     """
 
-    # A reference's rest is the manager's business.
+    # Only the manager calls the rest function of a reference, so it is not copied.
     uncopied = (ReferenceInterface,)
 
     def undeclared_claims(self) -> tuple[InterfaceResources, ...]:
@@ -57,8 +58,8 @@ class ControllerHW(PrivateRobotHW):
 class AsyncUpdate(AsyncFunction):
     """Updates one controller in a thread of its own.
 
-    Takes the place of the controller's callbacks. All methods but `statistics` are for
-    the control thread.
+    Its methods take the place of the controller's callbacks. All but `statistics` are
+    for the control thread.
 
     Args:
         controller: The controller, initialised over private copies.
@@ -91,10 +92,10 @@ class AsyncUpdate(AsyncFunction):
         controller.aborting = self.aborting  # type: ignore[method-assign]
 
     def close(self) -> None:
-        """Release thread and process; when the controller is unloaded."""
+        """End the thread and the process; called when the controller is unloaded."""
 
     def starting(self, time: float) -> None:
-        """Start the controller, on the states of this cycle.
+        """Start the controller with the states of this cycle.
 
         Raises:
             ControllerStateError: The last update of the run before has not ended.
@@ -108,11 +109,11 @@ class AsyncUpdate(AsyncFunction):
         self._call_at_once(self._starting, time)
 
     def stopping(self, time: float) -> None:
-        """Stop the controller; while an update is under way, after its end."""
+        """Stop the controller at once, or at the end of the update under way."""
         self._end_with(self._ends[0], time)
 
     def aborting(self, time: float) -> None:
-        """Abort the controller; while an update is under way, after its end."""
+        """Abort the controller at once, or at the end of the update under way."""
         self._end_with(self._ends[1], time)
 
     def update(self, time: float, period: float) -> None:
@@ -129,7 +130,7 @@ class AsyncUpdate(AsyncFunction):
         if self.take_result(period):
             self._take_commands()
         self.begin_call(time, self._copy_states)
-        # The robot may have limited the commands in place; it goes on from these.
+        # The robot may have limited the commands in place: write the unlimited ones.
         for (storage, _, index), value in zip(self._outputs, self._last, strict=True):
             storage[index] = value
 
@@ -143,7 +144,8 @@ class AsyncUpdate(AsyncFunction):
         self._take_commands()
 
     def _change_when_idle(self, change: Callable[[], None]) -> None:
-        # A change in the middle of an update would be one of half of it.
+        # An update under way must not see some values from before the change and
+        # some from after it.
         if self.is_idle():
             change()
         else:

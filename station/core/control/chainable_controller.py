@@ -42,7 +42,7 @@ class Reference:
     """A value that a preceding controller may command: a reference interface.
 
     Attributes:
-        name: Its name without the controller's, usually `joint/interface`, e.g.
+        name: Name without the controller's name, usually `joint/interface`, e.g.
             `joint1/position`.
         storage: The controller's own list; changed in place, never bound anew.
         index: Its slot in `storage`.
@@ -61,7 +61,7 @@ class ExportedState:
     """A value that other controllers may read: a state interface of a controller.
 
     Attributes:
-        name: Its name without the controller's, usually `joint/interface`.
+        name: Name without the controller's name, usually `joint/interface`.
         storage: The controller's own list; changed in place, never bound anew.
         index: Its slot in `storage`.
     """
@@ -152,9 +152,9 @@ class ExportedStateHandle(ResourceHandle):
 
 
 class ExportedStateInterface(HardwareResourceManager[ExportedStateHandle]):
-    """States that loaded controllers export; any number of controllers may read one.
+    """States that loaded controllers export; any number of controllers may read each.
 
-    A claim notes the reader, and gives no right to write.
+    A claim names a reader of the state, and gives no right to write it.
     """
 
     type_name: ClassVar[str] = "controller_interface::ExportedStateInterface"
@@ -164,11 +164,10 @@ class ExportedStateInterface(HardwareResourceManager[ExportedStateHandle]):
 class ChainableController(MultiInterfaceController):
     """A controller that may follow another one.
 
-    It exports references and states once, after `init`. While a running controller
-    claims its references the controller is in chained mode: it takes the values of the
-    storage of its references. Otherwise `update_reference_from_subscribers` brings the
-    references from set-points. A controller must not change its references in chained
-    mode.
+    It exports references and states once, after `init`. It is in chained mode while a
+    running controller claims its references: it then takes the values from the storage
+    of its references, and must not change them. Otherwise
+    `update_reference_from_subscribers` sets the references from set-points.
 
     A preceding controller is updated before the one that it commands, in the same
     cycle. When it stops, the references are put to rest and chained mode ends.
@@ -191,7 +190,7 @@ class ChainableController(MultiInterfaceController):
         return ()
 
     def on_set_chained_mode(self, chained_mode: bool) -> bool:  # noqa: FBT001, ARG002 - upstream's signature
-        """Prepare for another mode, in the control thread.
+        """Prepare for a change of the mode, in the control thread.
 
         Args:
             chained_mode: Whether a running controller commands the references.
@@ -203,7 +202,7 @@ class ChainableController(MultiInterfaceController):
         return True
 
     def update_reference_from_subscribers(self, time: float, period: float) -> None:
-        """Bring the references from set-points; only outside of chained mode.
+        """Set the references from set-points; called outside of chained mode only.
 
         Args:
             time: Station time [s].

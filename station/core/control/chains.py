@@ -1,4 +1,4 @@
-"""Chains of controllers: who commands whose references, and in which order.
+"""Chains of controllers: which one commands whose references, and in which order.
 
 A preceding controller claims references that its following controllers export. It is
 loaded after them, so chains have no circles.
@@ -51,21 +51,21 @@ _QUANTITIES: Mapping[str, tuple[str, ...]] = {
     **{interface_type_name(kind): (name,) for name, kind in _JOINT_INTERFACES.items()},
     interface_type_name(PosVelJointInterface): _BOTH,
 }
-"""What a controller that claims a joint through an interface commands."""
+"""The quantities of a joint that a controller commands through an interface."""
 REFERENCES = interface_type_name(ReferenceInterface)
 """The interface of claimed references, in messages and reports."""
 _STATES = interface_type_name(ExportedStateInterface)
 
 
 class ChainedRobotHW(RobotHW):
-    """The robot with the exports of loaded controllers, for the `init` of another one.
+    """The robot with the exports of loaded controllers, for the next one's `init`.
 
     Args:
         hw: The robot.
         loaded: The loaded controllers.
 
     Attributes:
-        owners: The controller that exports a reference or a state, by its full name.
+        owners: The controller that exports each reference or state, by full name.
     """
 
     def __init__(self, hw: RobotHW, loaded: Iterable[LoadedController]) -> None:
@@ -97,7 +97,7 @@ class ChainedRobotHW(RobotHW):
             self._references.register_handle(ReferenceHandle(name, reference))
             joint, _, quantity = reference.name.rpartition("/")
             kind, state_handle = _JOINT_INTERFACES.get(quantity), joints.get(joint)
-            # Controllers of joints take the reference of a joint for a joint.
+            # A controller of joints may claim the reference as if it were the joint.
             if kind is not None and state_handle is not None:
                 handle = JointStateHandle(
                     f"{one.info.name}/{joint}",
@@ -127,7 +127,8 @@ class ChainedRobotHW(RobotHW):
             names of the exported states that are read. All are sorted.
         """
         robot: list[InterfaceResources] = []
-        # Whoever does not declare these two interfaces has claimed through them, too.
+        # A controller that does not declare these two interfaces may have claimed
+        # through them, too.
         references = set(self._references.get_claims())
         states = set(self._states.get_claims())
         for claim in claims:
@@ -154,7 +155,7 @@ class ChainedRobotHW(RobotHW):
 
 
 def claims_of_references(names: Sequence[str]) -> tuple[InterfaceResources, ...]:
-    """Return claimed references as a claim, or nothing if there are none."""
+    """Return a claim of these references; nothing if there are none."""
     return (InterfaceResources(REFERENCES, tuple(names)),) if names else ()
 
 
@@ -186,7 +187,7 @@ def find_conflicts(
 
 
 def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
-    """Return the exports and the followers of each controller. Any thread."""
+    """Return the exports and the following controllers of each one. Any thread."""
     found = []
     for one in loaded:
         controller, name = one.controller, one.info.name
@@ -217,17 +218,17 @@ def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
 
 
 def depth_of(one: LoadedController) -> int:
-    """Return the length of the longest chain behind a controller; 0 for none."""
+    """Return the length of the longest chain that a controller commands; 0 for none."""
     return max((1 + depth_of(each) for each in one.following), default=0)
 
 
 def insert_in_order(
     loaded: tuple[LoadedController, ...], one: LoadedController
 ) -> tuple[LoadedController, ...]:
-    """Return the list with another controller, before those that it commands.
+    """Return the list with `one` inserted before the controllers that it commands.
 
-    No controller commands one that has just been loaded, so the order of the others
-    stays as it is.
+    No controller commands `one`, which has just been loaded, so the order of the others
+    stays.
     """
     place = min((loaded.index(each) for each in one.following), default=len(loaded))
     return (*loaded[:place], one, *loaded[place:])

@@ -5,17 +5,18 @@ has written, or the rest command of a resource without an owner:
 
 1. After every call of a controller its own commands are checked and copied
    (`ControllerCommands.refused`), so that a bad value is charged to that call.
-2. At the end of the cycle `keep_commands` writes all of them anew: the rest of what
-   nobody owns, and what each owner wrote if others ran beside it. So nothing else
-   reaches the robot.
+2. At the end of the cycle `keep_commands` writes all of them anew: rest for resources
+   without an owner, and, if several controllers run, the accepted commands of each
+   owner. So nothing else reaches the robot.
 3. Around every call of a controller in a switch, and around `do_switch`, the commands
    of the others are remembered and put back (`CommandGate.remember`, `put_back`).
-4. Before it writes, it compares one block of commands with what is there, another one
-   in every cycle. After a difference the gate traces: it compares all of them after
-   every call, and the controller that writes what it does not own is stopped.
+4. Before it writes, `keep_commands` compares one block of commands with its copy,
+   another block in every cycle. After a difference the gate traces for some cycles: it
+   compares all blocks after every call of a controller, and the controller that writes
+   commands without owning them is stopped.
 
-The ranges of the commands are the robot's business: `RobotHW.write` enforces the joint
-limits, which depend on the measured state and on the period.
+The gate does not check ranges: `RobotHW.write` enforces the joint limits, which depend
+on the measured state and on the period.
 """
 
 from collections import Counter
@@ -36,11 +37,12 @@ if TYPE_CHECKING:
     from station.core.control.loaded_controller import LoadedController
 
 _RUNNING = ControllerState.RUNNING
-# By type: True and 0j pass comparisons with floats, and a robot must not get them.
+# Compared by type: True and 0j pass comparisons with floats, and a robot must not get
+# them.
 _FLOAT = {float}
 
 TRACED_CYCLES = 1000
-"""How long the gate looks for the writer of a command without a claim [cycles]."""
+"""Time for which the gate traces the writer of a command without a claim [cycles]."""
 
 SlotId = tuple[int, int]
 """Identity of a storage and an index into it."""
@@ -62,7 +64,7 @@ class CommandBlock:
         self.values = values
 
     def copy_commands(self) -> bool:
-        """Copy the commands; return whether all certainly are finite floats."""
+        """Copy the commands; return whether all are known to be finite floats."""
         raise NotImplementedError
 
     def has_changed(self) -> bool:
@@ -90,7 +92,7 @@ class DoublesBlock(CommandBlock):
         self.copy_commands()
 
     def copy_commands(self) -> bool:
-        """Copy the commands; return whether all certainly are finite."""
+        """Copy the commands; return whether all are known to be finite."""
         if cython.compiled:
             copy_into(self.copy, 0, self.memory, self.size)
         else:
@@ -129,12 +131,12 @@ class ListBlock(CommandBlock):
         super().__init__(slots, self.copy)
 
     def copy_commands(self) -> bool:
-        """Copy the commands; return whether they certainly are finite floats."""
+        """Copy the commands; return whether all are known to be finite floats."""
         copy = self.copy
         copy[:] = self.storage[self.place]
-        # The types first: the sum of a complex number or of a decimal raises, or
-        # passes every comparison with a float. An overflow of the sum alone is no bad
-        # command: the caller looks again upon False.
+        # Types are checked first: the sum of a complex number or of a decimal raises,
+        # or passes every comparison with a float. A sum that overflows may come from
+        # good commands; after False the caller checks each of them.
         return set(map(type, copy)) == _FLOAT and not (total := sum(copy)) - total
 
     def has_changed(self) -> bool:
@@ -150,7 +152,7 @@ class ListBlock(CommandBlock):
 
 
 def make_blocks(slots: Iterable[Slot]) -> list[CommandBlock]:
-    """Return the commands in some slots, with a copy of the present ones."""
+    """Return the commands in some slots as blocks with copies of the present values."""
     return [_make_block(run) for run in side_by_side(slots)]
 
 
@@ -168,13 +170,13 @@ class CommandGate:
 
     Attributes:
         is_stale: Whether controllers have started or stopped since the owners were
-            noted; set at each start and stop of one.
+            noted; set at each start and each stop.
         running: The controllers that ran when the owners were noted last, in the order
             of loading.
-        traced_cycles: For how many cycles more the gate looks after every call for
-            a controller that writes commands of others; 0 until a violation is found.
+        traced_cycles: Number of cycles for which the gate still compares all commands
+            after every call of a controller; 0 until a violation is found.
         violations: How often a command was found that its owner had not written.
-        last_violation: The last of them as a sentence; None if there was none.
+        last_violation: The last violation as a sentence; None if there was none.
     """
 
     def __init__(self, hw: RobotHW) -> None:
@@ -184,7 +186,7 @@ class CommandGate:
         self.violations = 0
         self.last_violation: str | None = None
         self.guards = all_guards(hw)
-        # Commands that nobody owns, with their rest; and all that are written anew.
+        # Commands without an owner, at rest; and all commands that are written anew.
         self.resting: list[CommandBlock] = []
         self.kept: list[CommandBlock] = []
         self.next_compared = 0
@@ -202,7 +204,7 @@ class CommandGate:
     def remember(self, one: "LoadedController") -> Remembered:
         """Return every command of the robot that `one` does not own.
 
-        For a call of `one` in which no other controller writes commands.
+        Used around a call of `one` during which no other controller writes commands.
         """
         own = {(id(storage), index) for storage, index in one.commands.slots}
         return [
@@ -218,11 +220,10 @@ class CommandGate:
             The first resource whose command had changed; None if none had.
         """
         changed: str | None = None
-        # All of them, not up to the first: a callback may have written several
-        # commands.
+        # Do not stop at the first: a callback may have written several commands.
         for storage, index, value in remembered:
             now = storage[index]
-            # By type, because 0j equals 0.0; by identity, for a NaN of before.
+            # By type, because 0j equals 0.0; by identity, for a NaN that was there.
             if now is value or (type(now) is float and now == value):
                 continue
             storage[index] = value
@@ -230,9 +231,9 @@ class CommandGate:
         return changed
 
     def forget_rest(self) -> None:
-        """Let resources without an owner keep their positions when owners are noted.
+        """Let resources without an owner rest anew when owners are noted next.
 
-        For a world that was put somewhere else.
+        Called when a simulated world was put into another state.
         """
         self.resting = []
         self._keep([])
@@ -244,8 +245,8 @@ class CommandGate:
             self.traced_cycles -= 1
             self.restore_commands()
             return
-        # One block a cycle is compared: looking at all of them costs more than the
-        # writing, and a stray write is overwritten below in any case.
+        # Only one block is compared in a cycle: comparing all of them costs more than
+        # writing them, and a stray write is overwritten below in any case.
         kept, place = self.kept, self.next_compared
         size = len(kept)
         if place < size:
@@ -253,17 +254,17 @@ class CommandGate:
             if block.has_changed():
                 self._report(block)
         self.next_compared = place + 1 if place + 1 < size else 0
-        # Also what equals the copy is written: it may still be no float, e.g. 0j.
+        # A block that equals its copy is written, too: 0j equals 0.0 and is no float.
         for each in kept:
             each.write_copy()
 
     def restore_commands(self) -> None:
-        """Compare all commands with the accepted ones, and write those anew.
+        """Compare all commands with the accepted ones, and write the accepted ones.
 
-        Also before a switch, after which the owners are others, and at the beginning of
-        a traced cycle, so that what was written between two cycles is not charged to
-        the controller that is called next. Nothing happens when owners have changed in
-        this cycle already: `note_owners` looks at all of them then.
+        Called before a switch, because it changes the owners, and at the beginning of a
+        traced cycle, so that a write between two cycles is not charged to the
+        controller that is called next. If owners have changed in this cycle already,
+        nothing happens, because `note_owners` then looks at all commands.
         """
         if self.is_stale:
             return
@@ -283,8 +284,8 @@ class CommandGate:
             one: The controller that was called.
             loaded: All controllers; those before `one` have been updated already.
         """
-        # Those before `one` have been updated and copied, so a difference is the work
-        # of `one`; later ones may still hold what they wrote last.
+        # The commands of the controllers before `one` were copied after their updates,
+        # so `one` has made any difference. Later ones have not been copied yet.
         for other in loaded:
             if other is one:
                 break
@@ -304,10 +305,10 @@ class CommandGate:
     def note_owners(self, loaded: "Iterable[LoadedController]") -> None:
         """Find the commands without an owner, let them rest, and write all anew.
 
-        A resource that had no owner before keeps its rest command: resting anew where
-        it is measured would let a joint under load creep a little at every switch. One
-        that had an owner has moved meanwhile, so all of its commands rest anew, those
-        of other interfaces as well.
+        A resource that had no owner before keeps its rest command: a new one would be
+        the measured position, and a joint under load would creep a little at every
+        switch. A resource that had an owner has moved meanwhile, so all of its commands
+        get new rest values, those of other interfaces as well.
         """
         if self.traced_cycles:
             self.traced_cycles -= 1
@@ -323,8 +324,8 @@ class CommandGate:
                 slot = (id(storage), index)
                 if slot in owned:
                     continue
-                # It rested before and still rests. A new rest command would be the
-                # present position, and the joint would creep at each change of owners.
+                # Keep the old rest: a new one would be the present position, and the
+                # joint would creep at each change of owners.
                 if slot in before and guard.name not in self.owned_names:
                     storage[index] = before[slot]
                 else:
@@ -339,7 +340,7 @@ class CommandGate:
         owners = [one for one in running if not one.commands.is_shared]
         for one in owners:
             one.commands.write_again()
-        # With nobody beside it, what the only controller has written stays as it is.
+        # The commands of a controller that runs without others stay as it wrote them.
         beside = owners if len(running) > 1 else []
         owned_blocks = [block for one in beside for block in one.commands.blocks]
         self._keep([*self.resting, *owned_blocks])
@@ -368,7 +369,7 @@ class CommandGate:
 
 
 def _count_owners(loaded: "Iterable[LoadedController]") -> Counter[SlotId]:
-    """Count the owners of every command, and note controllers that share commands."""
+    """Count the owners of every command; mark the controllers that share commands."""
     running = [one for one in loaded if one.controller.state is _RUNNING]
     owned = Counter(
         (id(storage), index) for one in running for storage, index in one.commands.slots

@@ -20,7 +20,7 @@ class CommandGuard:
 
     Args:
         interface: The robot's own interface through which it is claimed.
-        interface_name: Its name in the controller's claims.
+        interface_name: Name of that interface in the controller's claims.
         name: Name of the resource.
         slots: Slots of the commands.
     """
@@ -53,8 +53,8 @@ class CommandGuard:
         for position, (storage, index) in enumerate(self.slots):
             if slots is not None and position not in slots:
                 continue
-            # A robot that cannot read its state has no rest command. The last good one
-            # is kept.
+            # A robot that cannot read its state has no rest command; its last good
+            # command stays.
             if math.isfinite(values[position]):
                 storage[index] = values[position]
             elif not _is_finite_float(storage[index]):
@@ -66,7 +66,7 @@ class CommandGuard:
             storage[index] = value
 
     def remember(self) -> bool:
-        """Take the present rest, motion and commands as the origin of a jump.
+        """Store rest, motion and commands as they are, to measure jumps from them.
 
         Returns:
             Whether rest is known, that is, finite.
@@ -77,28 +77,29 @@ class CommandGuard:
         return all(math.isfinite(value) for value in self._rest)
 
     def jump(self) -> float:
-        """Return the largest step of a command, in its unit."""
+        """Return the largest jump of a command, in its unit; see `_steps`."""
         return max(self._steps(), default=0.0)
 
     def excess(self) -> tuple[float, float]:
-        """Return the first step that is too large and its limit; zeros if none is."""
+        """Return the first jump that is too large and its limit; zeros if none is."""
         limits = self.interface.start_jump_limits(self.name)
         for step, limit in zip(self._steps(), limits, strict=True):
-            # Written so that a NaN counts as too far.
+            # Not `step > limit`, so that a NaN counts as too large.
             if not step <= limit:
                 return step, limit
         return 0.0, 0.0
 
     def _steps(self) -> list[float]:
-        """Return the distance of each command from the last one or from slowing down.
+        """Return the jump of each command.
 
-        Slowing down is every command between rest and the present motion.
+        It is the distance from the last command, or from the range between rest and the
+        present motion if that is nearer: such a command slows the robot down.
         """
         steps: list[float] = []
         for position, (storage, index) in enumerate(self.slots):
             command = storage[index]
-            # A command may go on from the last one, or lie between rest and the
-            # present: both are no jump for the robot.
+            # A command that continues the last one, or slows the robot down, is no
+            # jump.
             from_last = abs(command - self._last[position])
             rest, present = self._rest[position], self._present[position]
             steps.append(min(from_last, _distance(command, rest, present)))
@@ -126,9 +127,9 @@ class CommandGuard:
 
 
 def _distance(command: float, rest: float, present: float) -> float:
-    """Return the distance of a command from the range between rest and the present."""
-    # A robot without a present command of this kind, e.g. of effort, is compared with
-    # rest alone.
+    """Return the distance of a command from the range between rest and `present`."""
+    # A robot without a present value of this kind, e.g. an effort, is compared with
+    # rest only.
     if not math.isfinite(present):
         return abs(command - rest)
     low, high = min(rest, present), max(rest, present)
@@ -196,7 +197,7 @@ def find_guards(
 def all_guards(hw: RobotHW) -> list[CommandGuard]:
     """Return a guard for every resource of the robot that takes commands.
 
-    But for actuators: their commands are written by the robot's own transmissions.
+    Actuators have none: the robot's own transmissions write their commands.
 
     Args:
         hw: The robot.
@@ -204,8 +205,7 @@ def all_guards(hw: RobotHW) -> list[CommandGuard]:
     guards: list[CommandGuard] = []
     for interface_type in hw.interface_types():
         interface = hw.get(interface_type)
-        # Transmissions write these from the joints' commands; the joints have the
-        # guards.
+        # Transmissions write these commands from those of joints, which have guards.
         if isinstance(interface, ActuatorCommandInterface):
             continue
         if isinstance(interface, HardwareResourceManager):

@@ -103,7 +103,7 @@ class ControllerSample:
         return self.columns[3]
 
     def memory(self) -> bytes:
-        """Return the four lists as doubles, one after the other."""
+        """Return the bytes of the four lists as doubles, one list after the other."""
         return b"".join(array("d", column).tobytes() for column in self.columns)
 
     def _asdict(self) -> dict[str, object]:
@@ -136,12 +136,12 @@ class JointStates(NamedTuple):
 
 
 class PackedSample(ControllerSample):
-    """A sample in one block of memory; its lists are made when they are read.
+    """A sample in one block of memory, which makes its lists when they are read.
 
     Args:
         stamp: Station time of the cycle [s].
-        packed: Doubles of the machine: the four columns one after the other, and
-            whatever the controller adds after them.
+        packed: Doubles in the byte order of the machine: the four columns one after the
+            other, then the columns that the controller adds.
         size: Length n of each column.
 
     Attributes:
@@ -152,7 +152,7 @@ class PackedSample(ControllerSample):
     __slots__ = ("packed", "size")
 
     def __init__(self, stamp: float, packed: bytes, size: int) -> None:
-        # Every cycle makes one: nothing else is done here.
+        # Every cycle makes a sample, so as little as possible is done here.
         self.stamp = stamp
         self.packed = packed
         self.size = size
@@ -171,13 +171,13 @@ class PackedSample(ControllerSample):
         return self.rest(index)[: self.size]
 
     def rest(self, index: int) -> list[float]:
-        """Return all numbers from a column on."""
+        """Return the numbers of a column and of all columns after it."""
         first = index * self.size
         return [*memoryview(self.packed).cast("d")[first:]]
 
 
 def unpack_sample(sample: ControllerSample | PackedColumns) -> ControllerSample:
-    """Return the unpacked sample of `SampleColumns`; others unchanged."""
+    """Return packed columns as a sample; a `ControllerSample` is returned unchanged."""
     return PackedSample(*sample) if isinstance(sample, tuple) else sample
 
 
@@ -204,7 +204,8 @@ class ControllerBase:
         sampled: Keeps the sample of each cycle; None for a controller that sets
             `sample` itself.
         accepted_parameters: Names of parameters that files written for the original
-            have, and that rightly have no effect here; no other is taken silently.
+            controller have and that have no effect here. Any other parameter without
+            effect is reported.
         own_parameters: The parameters that a class adds to those of its bases.
         messages: The latest messages by topic, which `published` returns.
     """
@@ -227,8 +228,8 @@ class ControllerBase:
     def sample(self) -> ControllerSample | None:
         """The sample of the last cycle, a new object each time; None before the first.
 
-        A controller sets it in every update, or has its columns kept in `sampled`,
-        which takes less time.
+        A controller sets it in every update, or has `sampled` pack its columns, which
+        takes less time.
         """
         if self.sampled is None:
             return self._sample
@@ -246,8 +247,8 @@ class ControllerBase:
 
         They are the `own_parameters` of all classes, those of the bases first. Read the
         parameters through these declarations, so that there is no second list of them.
-        Override it with `(*super().declared_parameters(), …)` where they depend on the
-        class. Called without an instance, outside of the control thread.
+        Override it with `(*super().declared_parameters(), …)` if a parameter depends
+        on the class. Called without an instance, outside of the control thread.
         """
         classes = [vars(base) for base in reversed(cls.__mro__)]
         return tuple(one for each in classes for one in each.get("own_parameters", ()))
@@ -268,7 +269,7 @@ class ControllerBase:
         """Clean up before the robot takes the joints back."""
 
     def waiting(self, time: float) -> None:
-        """React to a cycle in which the hardware has not finished the switch."""
+        """React to a cycle in which the hardware is still switching."""
 
     def aborting(self, time: float) -> None:
         """React to a switch that the hardware could not complete."""
@@ -391,8 +392,7 @@ class ClaimingController(ControllerBase):
         found: list[object] = []
         for interface_type in (*required, *optional):
             interface: object | None = hw.get(interface_type)
-            # Always so here, `_find_interfaces` has refused otherwise; it is for the
-            # type checker.
+            # `_find_interfaces` has refused None already; this is for the type checker.
             if interface is not None:
                 found.append(interface)
             elif interface_type in required:
@@ -450,7 +450,7 @@ class Controller(ClaimingController, Generic[InterfaceT]):
     ```
 
     Attributes:
-        hardware_interface: Type of the interface; by itself the type argument.
+        hardware_interface: Type of the interface; taken from the type argument.
     """
 
     hardware_interface: ClassVar[type]
@@ -463,7 +463,7 @@ class Controller(ClaimingController, Generic[InterfaceT]):
             return
         for base in get_original_bases(cls):
             argument = next(iter(get_args(base)), None)
-            # A type variable is left to the classes that derive from this one.
+            # A type variable is bound later, by a class derived from this one.
             if isinstance(argument, type) and issubclass(base.__origin__, Controller):
                 cls.hardware_interface = argument
 

@@ -11,12 +11,12 @@ class ControllerCommands:
         guards: One per claimed resource that takes commands.
 
     Attributes:
-        guards: The same.
+        guards: As given.
         slots: Slots of the commands.
-        blocks: The same as few blocks; each has a copy of what `refused` looked at
-            last.
-        is_shared: Whether the robot lets another running controller command one of
-            the same resources; the last to write it decides.
+        blocks: The commands as a few blocks; each keeps a copy of the commands that
+            `refused` accepted last.
+        is_shared: Whether the robot lets another running controller command one of the
+            same resources; the later writer decides.
     """
 
     def __init__(self, guards: list[CommandGuard]) -> None:
@@ -33,8 +33,8 @@ class ControllerCommands:
         """
         for block in self.blocks:
             if not block.copy_commands():
-                # The quick look also rejects numbers that can be converted, e.g. of
-                # NumPy. `_find_refused` converts those and names the first real fault.
+                # The quick check fails for NumPy's numbers, too. `_find_refused`
+                # converts them, and names the first command that is no real number.
                 refused = self._find_refused()
                 if refused is not None:
                     return refused
@@ -47,7 +47,7 @@ class ControllerCommands:
         return self.is_shared or not any(block.has_changed() for block in self.blocks)
 
     def write_again(self) -> None:
-        """Write the commands that `refused` looked at last."""
+        """Write the commands that `refused` accepted last."""
         for block in self.blocks:
             block.write_copy()
 
@@ -70,8 +70,8 @@ class ControllerCommands:
         for guard in self.guards:
             for storage, index in guard.slots:
                 value, now = next(before), storage[index]
-                # By identity first: a NaN of before does not equal itself. By type,
-                # because 0j equals 0.0, and an array equals nothing and everything.
+                # By identity first: a NaN that was there does not equal itself. By
+                # type, because 0j equals 0.0 and an array has no single answer.
                 if now is value or (type(now) is float and now == value):
                     continue
                 changed = changed or guard.describe(now)
@@ -84,10 +84,10 @@ class ControllerCommands:
             guard.write_rest()
 
     def put_back_claims(self, claims: set[tuple[str, str]]) -> None:
-        """Write the values that some claims had before the start.
+        """Write the commands that some claims had before the start.
 
         Args:
-            claims: (hardware interface, resource) of each.
+            claims: (hardware interface, resource) of each claim.
         """
         for guard in self.guards:
             if guard.claim in claims:
@@ -96,16 +96,16 @@ class ControllerCommands:
     def prepare(self, taken_over: set[tuple[str, str]]) -> str | None:
         """Make the commands ready for a start; return why that is impossible.
 
-        Resources without a command until now begin at rest, so that no command of
-        long ago reaches the robot; the others go on from the last command.
+        Commands that are taken over continue; all others begin at rest, so that no old
+        command reaches the robot.
 
         Args:
             taken_over: (hardware interface, resource) of claims that continue the last
                 command.
         """
         for guard in self.guards:
-            # A command taken over from a stopped controller goes on, so that the change
-            # is smooth; all others begin at rest.
+            # A command taken over from a stopped controller continues, so that the
+            # change is smooth.
             if guard.claim not in taken_over or guard.refused_command() is not None:
                 guard.write_rest()
             if not guard.remember():
@@ -113,11 +113,11 @@ class ControllerCommands:
         return None
 
     def jumps(self) -> dict[str, float]:
-        """Return each command's distance from that before the start, by resource."""
+        """Return the largest jump of a command, by resource; see `CommandGuard`."""
         return {guard.name: guard.jump() for guard in self.guards}
 
     def excessive_jump(self) -> str | None:
-        """Return a command that is too far from the previous one; None if none is."""
+        """Return a command that jumps too far, in words; None if none does."""
         for guard in self.guards:
             step, limit = guard.excess()
             if step > 0.0:

@@ -40,7 +40,7 @@ class ControllerType:
     Attributes:
         type: The type, usually `package/Class`.
         base_class: Name of the class of plugins that it belongs to.
-        description: First line of the docstring of its class, or "".
+        description: First line of the docstring of its class; empty without one.
         parameters: The parameters of every controller, and those that it declares.
         error: Why its class cannot be imported; None when it can.
     """
@@ -82,7 +82,7 @@ COMMON_PARAMETERS = (
 )
 """Parameters that every controller has, whatever its type."""
 _TOLD = 5
-"""How many unknown parameters the message of a refusal names; its details name all."""
+"""Number of unknown parameters that a refusal's message names; its details name all."""
 # A name is a part of URLs and a namespace of parameters.
 _NAME = re.compile(r"[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
 
@@ -93,7 +93,7 @@ class ControllerFactory:
     Args:
         hw: The robot.
         parameters: Namespace in which every controller has a namespace of its name.
-        loaders: Asked in this order.
+        loaders: The sources of controllers, asked in this order.
     """
 
     def __init__(
@@ -141,10 +141,10 @@ class ControllerFactory:
         """Return a new, initialised controller.
 
         Args:
-            name: Its name and namespace.
-            loaded: The loaded controllers, whose references it may claim.
-            strict: Whether a parameter that its type does not know is refused. It is
-                told otherwise, as for every type that declares no parameters.
+            name: Name of the controller, and of its namespace.
+            loaded: The loaded controllers, whose references the new one may claim.
+            strict: Whether to refuse a parameter that the type does not know. If false,
+                and for a type that declares no parameters, it is only noted.
 
         Raises:
             ParameterError: Its type or a parameter is missing or impossible (CM-23), or
@@ -159,7 +159,7 @@ class ControllerFactory:
                 remedy="Use letters, digits and '_', with '/' between namespaces.",
                 details={"controller": name},
             )
-        # The keys that `init` reads are noted: what nobody has read is probably
+        # Note the keys that `init` reads: a parameter that nothing reads is probably
         # misspelt.
         tree, reads = self._parameters.tree, set[str]()
         params = Parameters(tree, self._parameters.resolve(name), reads)
@@ -171,7 +171,7 @@ class ControllerFactory:
         controller = create_controller(self.loaders, controller_type)
         hw = self._hw
         exports = ChainedRobotHW(hw, loaded)
-        # A robot without chains is handed over as it is.
+        # Without exports the controller gets the robot itself.
         seen = exports if exports.owners else hw
         private = None if asynchronous is None else ControllerHW(seen)
         claims = self._initialise(name, controller, params, private or seen)
@@ -206,7 +206,7 @@ class ControllerFactory:
     ) -> tuple[InterfaceResources, ...]:
         try:
             return controller.init_request(hw, params)
-        # It names the parameter already, and its code tells the API to answer 422.
+        # Its message names the parameter, and the API answers 422 for this type.
         except ParameterError:
             raise
         except StationError as error:
@@ -244,7 +244,7 @@ def _unknown_parameters(
     names.update(controller.accepted_parameters)
     known = reads | {params.resolve(each) for each in names}
     unknown = unknown_parameters(params, known)
-    # A controller that declares nothing may read parameters whenever it likes.
+    # A controller that declares no parameters may read one at any time.
     if unknown and strict and declared:
         raise ParameterError(
             " ".join(
@@ -261,7 +261,7 @@ def _unknown_parameters(
 
 
 def _hindrances(controller: ControllerBase) -> tuple[str, ...]:
-    """Return a sentence about the code in `update` that holds the loop up."""
+    """Return a sentence about each call in `update` that delays the loop."""
     code = getattr(type(controller).update, "__code__", None)
     # A warning only: `print` may be the name of something harmless.
     if code is None or "print" not in code.co_names:

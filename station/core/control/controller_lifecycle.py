@@ -1,9 +1,9 @@
 """Starting, stopping and aborting one controller, with every fault contained.
 
-Source: ros_control@0.20.0 controller_interface/controller_base.h; differs: an exception
-or a command that is not a real finite number takes its controller off the robot, in the
-same cycle and alone (CM-80); the first command of a started controller is checked for a
-jump; what a controller writes while it does not own its resources is put back.
+Source: ros_control@0.20.0 controller_interface/controller_base.h; differs: after an
+exception, or a command that is not a real finite number, only that controller is taken
+off the robot, in the same cycle (CM-80); the first command of a started controller is
+checked for a jump; commands that a controller writes without owning them are put back.
 """
 
 from collections.abc import Callable, Sequence
@@ -38,10 +38,10 @@ class ControllerLifecycle:
 
     Attributes:
         gate: Keeps the commands with their owners.
-        components: The hardware and its states; not active before `begin`.
+        components: The hardware components and their states; not active before `begin`.
         loaded: All loaded controllers in load order; replaced as a whole.
         start_gate: Called before anything is started; raises a StationError when
-            nothing may be. None when there is no such rule.
+            nothing may start. None when there is no such rule.
         promised: Returns the controllers that a switch in progress has still to start.
     """
 
@@ -100,7 +100,7 @@ class ControllerLifecycle:
             time: Station time [s].
             stopped: Controllers stopped in the same cycle; commands of resources that
                 they had, through the same interface, go on from the last command.
-            jump: Gets the step of every command, by resource.
+            jump: Receives the jump of the commands, by resource.
         """
         controller = one.controller
         if controller.state is ControllerState.CONSTRUCTED:
@@ -112,7 +112,7 @@ class ControllerLifecycle:
             return reason
         # A restart takes over its own commands.
         own = (one.info,) if controller.state is _RUNNING else ()
-        # Those that it commands run already: it goes on from their references.
+        # Its following controllers run already: it continues from their references.
         references = {(REFERENCES, name) for name in one.info.references}
         unknown = one.commands.prepare(
             {claim for info in (*stopped, *own) for claim in _claims(info)} | references
@@ -126,7 +126,7 @@ class ControllerLifecycle:
         if problem is not None:
             one.commands.write_rest()  # what `starting` wrote must not reach the robot
             self.fail(one, time, problem, trace)
-            # Those that it would have commanded go on from where they were.
+            # The references keep the values that they had before this start.
             one.commands.put_back_claims(references)
             return problem
         one.fault = one.traceback = None
@@ -159,11 +159,11 @@ class ControllerLifecycle:
     ) -> tuple[str | None, str | None]:
         """Call a controller; return the fault of the call, if any, and its traceback.
 
-        Values that the call writes over commands of others, or of no controller, are
-        put back at once: their owners do not write them again in this cycle.
+        Values that the call writes over commands of other controllers, or of resources
+        without an owner, are put back at once: nothing else rewrites them in this
+        cycle.
         """
-        # A callback may write to anything that it has kept a handle of. What is not its
-        # own is put back.
+        # A callback may write through any handle that it has kept.
         remembered = self.gate.remember(one)
         problem: str | None = None
         trace: str | None = None
@@ -202,7 +202,7 @@ class ControllerLifecycle:
         return self.start(one, time, stopped, {})
 
     def check_first_update(self, one: LoadedController, time: float) -> None:
-        """Look at the command of the first update; the second look at a start."""
+        """Check the first update's command for a jump, as `start` checked the first."""
         one.fresh = False
         if self._is_to_move(one):
             return
@@ -222,10 +222,10 @@ class ControllerLifecycle:
     def stop(self, one: LoadedController, time: float) -> None:
         """Stop one controller; an error of its `stopping` is kept as its fault.
 
-        Commands that `stopping` writes are the last word of their owner, for a brake,
-        say: a successor in the same cycle goes on from them. A command that is not a
-        real finite number is replaced by the rest of its resource here, so that it is
-        not blamed on the successor.
+        The last commands of `stopping`, e.g. of a brake, are kept: a successor in the
+        same cycle continues from them. A command that is not a real finite number is
+        replaced by the rest of its resource here, so that the successor is not blamed
+        for it.
         """
         self.gate.is_stale = True
         problem, trace = self._call(one, "stopping", one.controller.stop_request, time)
@@ -245,7 +245,7 @@ class ControllerLifecycle:
         problem, trace = self._call(one, "waiting", one.controller.wait_request, time)
         written = one.commands.put_back(before)
         if problem is None and written is not None:
-            # A waiting controller owns nothing yet: somebody else may, or nobody.
+            # A waiting controller owns no command yet; another one may own it.
             problem = f"waiting wrote the command {written}, which it does not own yet"
         if problem is not None:
             self.fail(one, time, problem, trace)
@@ -254,8 +254,8 @@ class ControllerLifecycle:
     def abort(self, one: LoadedController, time: float, problem: str) -> None:
         """Mark one controller as not running because of `problem`.
 
-        If it was running its commands rest. Otherwise they may belong to somebody
-        else already, and stay as they are.
+        If the controller was running, its commands rest. Otherwise another controller
+        may own them already, so they stay.
         """
         self.gate.is_stale = True
         if one.controller.state is _RUNNING:
@@ -273,7 +273,7 @@ class ControllerLifecycle:
             one.add_fault(f"aborting wrote the command {written}, which was put back")
 
     def _chain(self, one: LoadedController, time: float) -> str | None:
-        """Bring the controllers that `one` commands into chained mode.
+        """Put the controllers that `one` commands into chained mode.
 
         Returns:
             Why one of them refuses the mode; None if all accept it.
@@ -287,9 +287,9 @@ class ControllerLifecycle:
     def _set_chained_mode(
         self, one: LoadedController, time: float, *, chained_mode: bool
     ) -> str | None:
-        """Change the mode of a controller if need be; return why it refuses."""
+        """Change the mode of a controller if it differs; return why that is refused."""
         target = one.controller
-        # All that export references are chainable; this is for the type checker.
+        # A controller with references is chainable; this is for the type checker.
         if not isinstance(target, ChainableController):
             return None
         if target.is_in_chained_mode == chained_mode:
@@ -305,15 +305,15 @@ class ControllerLifecycle:
         return problem
 
     def settle_chains(self, time: float) -> None:
-        """End chains that have lost a part, and chained mode without a commander.
+        """End chains that have lost a controller; end chained mode without a commander.
 
         Called at the end of a cycle in which a controller has started or stopped, so
-        that no preceding controller runs without the one that it commands when the
-        commands are written. A preceding controller that replaces another one in the
-        same cycle goes on from its references.
+        that no preceding controller runs without its following ones when the commands
+        are written. A preceding controller that replaces another one in the same cycle
+        continues from the references of that one.
         """
         broken: list[LoadedController] = []
-        # From the hardware upwards: the end of one controller may break the next chain.
+        # From the hardware upwards: a chain that ends may break the one above it.
         for one in reversed(self.loaded):
             missing = one.missing_following()
             if missing is not None and one.controller.state is _RUNNING:
@@ -323,7 +323,7 @@ class ControllerLifecycle:
                 broken.append(one)
         for one in broken:
             self.fall_back(one, time)
-        # From the far end: who fails on leaving chained mode commands nobody any more.
+        # From the far end: a controller that fails here stops commanding the next one.
         for one in self.loaded:
             if one.references and not self._is_commanded(one):
                 self._end_chained_mode(one, time)
@@ -335,7 +335,7 @@ class ControllerLifecycle:
         )
 
     def _end_chained_mode(self, one: LoadedController, time: float) -> None:
-        """Let the references of a controller rest that nobody commands any longer."""
+        """End chained mode without a commander, and let the references rest."""
         target = one.controller
         if not isinstance(target, ChainableController) or not target.is_in_chained_mode:
             return
@@ -346,7 +346,7 @@ class ControllerLifecycle:
                 reference.storage[reference.index] = rest
         problem = self._set_chained_mode(one, time, chained_mode=False)
         if problem is not None:
-            # It cannot stay in a mode in which nobody commands it.
+            # No controller commands it, so it cannot stay in this mode.
             target.is_in_chained_mode = False
             if target.state is _RUNNING:
                 self.fail(one, time, problem, None)
@@ -369,8 +369,8 @@ class ControllerLifecycle:
     def release(self, stopped: Sequence[LoadedController]) -> str | None:
         """Take stopped controllers off the hardware; return the failure, if any.
 
-        When the call to the robot fails, the controllers are marked as not released:
-        they can be stopped again, and are not unloaded before that has succeeded.
+        If the call to the robot fails, the controllers are marked as not released: they
+        can be stopped again, and cannot be unloaded before a stop has succeeded.
         """
         problem = self.do_switch([], [one.info for one in stopped])
         for one in stopped:
@@ -393,15 +393,15 @@ class ControllerLifecycle:
             self._start_replacement(one, failed, time)
 
     def _replacements(self, failed: LoadedController) -> list[LoadedController]:
-        """Return the fallback of `failed` when all of it can run now, else nothing."""
+        """Return the fallback controllers of `failed`; none unless all can run now."""
         if not failed.fallback:
             return []
         known = {one.info.name: one for one in self.loaded}
         wanted = [known[name] for name in failed.fallback if name in known]
         running = [one.info for one in self.loaded if one.controller.state is _RUNNING]
         start = [one for one in wanted if one.controller.state is not _RUNNING]
-        # The robot has been told of them already: nobody else takes their resources,
-        # and the switch alone starts them.
+        # The robot already expects these: no other controller takes their resources,
+        # and only the switch starts them.
         promised = [
             one for one in self.promised() if one.controller.state is not _RUNNING
         ]
@@ -447,8 +447,8 @@ class ControllerLifecycle:
         stop: Sequence[ControllerInfo],
     ) -> str | None:
         """Pass a switch to the hardware; return the failure, if any."""
-        # The robot may seed its command buffers, and owners change. Those that run on
-        # do not write their commands again in this cycle.
+        # The robot may write its command buffers, and owners change. Controllers that
+        # keep running do not write their commands again in this cycle.
         self.gate.is_stale = True
         before = [
             (one, one.commands.values())

@@ -32,9 +32,9 @@ Stamp = tuple[int, int]
 class PluginModules:
     """Imports modules of controllers and notices when their files change.
 
-    Without this an edited controller that is unloaded and loaded again would run its
-    old code, because Python imports a module once. Controllers that are loaded keep the
-    class they were made of.
+    Python imports a module only once. Without this class, an edited controller would
+    run its old code after it is unloaded and loaded again. Loaded controllers keep the
+    class that they were made of.
     """
 
     def __init__(self) -> None:
@@ -44,8 +44,8 @@ class PluginModules:
     def load(self, name: str) -> ModuleType:
         """Return a module, read from its file if that has changed since the import.
 
-        Other modules of the same package that have changed are forgotten, too, so that
-        the module imports them anew.
+        If other modules of the same package have changed, the module imports them anew,
+        too.
 
         Raises:
             ImportError: There is no such module, or it cannot be imported.
@@ -81,8 +81,8 @@ class PluginModules:
             module = sys.modules.pop(name, None)
             path = getattr(module, "__file__", None)
             if path is not None:
-                # Compiled code counts as fresh when time (in seconds) and size of the
-                # source agree, so a quick edit of the same size would not be seen.
+                # Python takes compiled code for fresh when time (in seconds) and size
+                # of the source agree, so it would miss a quick edit of the same size.
                 with suppress(OSError, NotImplementedError):
                     Path(importlib.util.cache_from_source(path)).unlink()
         importlib.invalidate_caches()
@@ -93,10 +93,10 @@ def _package(name: str) -> str:
 
 
 def _of_package(name: str) -> list[str]:
-    """Return the imported modules whose change matters to `name`.
+    """Return the imported modules whose changes matter to `name`.
 
-    They are those of its package; of the station's own, which share a package with
-    everything else, the module only.
+    These are all modules of its package. For a module of the station itself it is that
+    module only, because its package is the whole station.
     """
     package = _package(name)
     if package == _package(__name__):
@@ -119,7 +119,7 @@ BASE_CLASS = "controller_interface::ControllerBase"
 """Name of the base class of every controller, as ros_control spells it."""
 
 Target = str | type[ControllerBase]
-"""What a table names: `module:Class`, or the class itself."""
+"""An entry of a table: `module:Class`, or the class itself."""
 
 _ORIGINS = {
     "ackermann_steering_controller": "ros_controllers (ros-controls/ros_controllers)",
@@ -137,7 +137,7 @@ _ORIGINS = {
     "industrial_robot_status_controller": "industrial_robot_status_controller "
     "(gavanderhoorn/industrial_robot_status_controller)",
 }
-"""Where types come from that this station does not have, by the package of ROS."""
+"""For each package of ROS whose types this station lacks: where to find them."""
 
 
 class ControllerLoader(ABC):
@@ -152,11 +152,11 @@ class ControllerLoader(ABC):
 
     @abstractmethod
     def declared_types(self) -> list[str]:
-        """Return the types it can create."""
+        """Return the types that the loader can create."""
 
     @abstractmethod
     def create(self, controller_type: str) -> ControllerBase | None:
-        """Return a new controller, or None when this loader has none of that type.
+        """Return a new controller, or None if the loader does not know the type.
 
         Raises:
             ControllerLoadError: The type is known but cannot be created.
@@ -166,7 +166,7 @@ class ControllerLoader(ABC):
         self,
         controller_type: str,  # noqa: ARG002 - for overrides
     ) -> type[ControllerBase] | None:
-        """Return the class of a type, or None when the loader cannot tell it.
+        """Return the class of a type, or None if the loader cannot name it.
 
         Args:
             controller_type: The type.
@@ -183,7 +183,7 @@ class ControllerLoader(ABC):
     def reload(self) -> None:
         """Forget imported code, so that the next `create` reads it anew.
 
-        The default has none to forget.
+        By default there is none to forget.
         """
         return
 
@@ -192,8 +192,8 @@ class TableLoader(ControllerLoader):
     """Creates the types of a table; imports a module when it is first needed.
 
     Args:
-        table: Type to `module:Class` or to the class itself; a mapping or pairs. Of
-            equal types the last one counts (CM-31).
+        table: Type to `module:Class` or to the class itself, as a mapping or as pairs.
+            If a type is there twice, the last pair counts (CM-31).
         name: Base class that `list_controller_types` shows.
     """
 
@@ -241,8 +241,8 @@ class EntryPointLoader(ControllerLoader):
 
     @property
     def _table(self) -> TableLoader:
-        # Read when it is asked for: it takes longer than all else that a manager needs,
-        # and the station's own controllers are found before.
+        # Read on demand: it takes longer than everything else that a manager does at
+        # the start, and the station's own controllers are found before.
         if self._read is None:
             found: list[EntryPoint] = list(entry_points(group=self._group))
             self._read = TableLoader([(entry.name, entry.value) for entry in found])
@@ -273,8 +273,8 @@ class ClassLoader(ControllerLoader):
     Importing a module runs its code, so a station for several users gives a list.
 
     Args:
-        allowed: Modules that may be imported, with the modules inside of them; any
-            module when None.
+        allowed: Modules that may be imported, with their submodules; any module when
+            None.
     """
 
     def __init__(self, allowed: Collection[str] | None = None) -> None:
@@ -342,7 +342,7 @@ def create_controller(
     """Return a new controller from the first loader that has one (CM-31).
 
     Args:
-        loaders: Asked in this order.
+        loaders: The sources of controllers, asked in this order.
         controller_type: The type.
 
     Raises:
@@ -364,7 +364,7 @@ def create_controller(
             remedy="Look at the loader that declares it.",
             details={"type": controller_type},
         )
-    # In ROS the part before the slash is the package that has the plugin.
+    # In ROS the part before the slash names the package that has the plugin.
     package = controller_type.partition("/")[0]
     origin = f" It comes from {_ORIGINS[package]}." if package in _ORIGINS else ""
     raise ControllerTypeNotFoundError(
@@ -379,7 +379,7 @@ def _create_with(
 ) -> ControllerBase | None:
     try:
         return loader.create(controller_type)
-    # It says more than the general message below.
+    # This error says more than the general message below.
     except ControllerLoadError:
         raise
     except CONTAINED as error:

@@ -7,7 +7,7 @@ withdrawn as a whole (CM-74); switches are served one after the other (CM-76).
 
 No foreign code runs under a lock that others wait for: controllers are loaded in
 threads of their own (`loading.py`), and a robot that takes long to prepare a switch
-holds up other switches alone (`switch_caller.py`).
+delays only other switches (`switch_caller.py`).
 """
 
 import threading
@@ -55,16 +55,16 @@ __all__ = ["ControllerManager", "ControllerStatus"]
 CONTROLLER_MANAGER = "controller_manager"
 """Namespace of the manager's own parameters, as in files of ROS 2."""
 _PATIENCE = 0.004
-"""How long a list waits for the end of a change of who runs [s]: the event loop that
-asks for it answers the stop, too."""
+"""Longest wait of a list for the end of a switch [s]: the event loop that asks for the
+list also answers the stop."""
 
 
 class ControllerManager:
     """The controllers of one robot.
 
-    `update`, `stop_all` and `samples` are for the control thread.
-    Everything else is for any other thread, waits for other callers if need be, and
-    either does the whole thing or raises and changes nothing.
+    `update`, `stop_all` and `samples` are for the control thread. Everything else is
+    for any other thread: it waits for other callers if need be, and either succeeds as
+    a whole or raises and changes nothing.
 
     Args:
         hw: The robot, initialised.
@@ -79,8 +79,8 @@ class ControllerManager:
 
     Attributes:
         lifecycle: Starts and stops the controllers, and has the list of them.
-        controller_update: Does the same as `update`, for a loop, and keeps who was
-            interrupted and how long an update may take.
+        controller_update: Does the work of `update`, for a loop; knows the controllers
+            that were interrupted and the longest time that an update may take.
         loop_cycle: Returns the number of the loop's present cycle.
     """
 
@@ -133,7 +133,7 @@ class ControllerManager:
 
     @property
     def command_violations(self) -> tuple[int, str | None]:
-        """Return the number of commands written without a claim, and the last one."""
+        """Return the number of commands written without a claim, and the last such."""
         gate = self.lifecycle.gate
         return gate.violations, gate.last_violation
 
@@ -191,14 +191,14 @@ class ControllerManager:
     ) -> None:
         """Load the controller whose type and parameters are under `name` (CM-21).
 
-        Its import, its constructor and its `init` run in a thread of their own while
-        this caller waits; `list_controllers` shows it as loading meanwhile.
+        Import, constructor and `init` of the controller run in a thread of their own
+        while this caller waits; meanwhile `list_controllers` shows it as loading.
 
         Args:
-            name: Its name and namespace.
-            timeout: How long to wait for it [s wall time], > 0.
-            strict: Whether a parameter that its type does not know is refused, or
-                noted.
+            name: Name of the controller, and of its namespace.
+            timeout: Longest time to wait for it [s wall time], > 0.
+            strict: Whether to refuse a parameter that the type does not know, or only
+                to note it.
 
         Raises:
             ControllerExistsError: That name is loaded already (CM-22), or being loaded.
@@ -212,10 +212,11 @@ class ControllerManager:
 
     @contextmanager
     def announce(self, name: str, *, strict: bool = False) -> Iterator[Loading]:
-        """Hold a name as being loaded, for as long as the context lasts.
+        """Reserve a name for a controller to be loaded, as long as the context lasts.
 
-        `finish_loading` loads the controller; the name is held until then, so whoever
-        changes its parameters before can put them back if that fails.
+        `finish_loading` loads the controller. A caller that changes the parameters of
+        the name before can put them back if that fails: no other caller loads the name
+        meanwhile.
 
         Raises:
             ControllerExistsError: That name is loaded already (CM-22), or being loaded.
@@ -240,7 +241,7 @@ class ControllerManager:
             yield loading
         finally:
             with self._lock:
-                # Once it was loaded, another caller may be loading the same name.
+                # After a successful load, another caller may be loading the name again.
                 if self._loading.get(name) is loading:
                     del self._loading[name]
 
@@ -270,7 +271,7 @@ class ControllerManager:
     def unload_controller(self, name: str) -> None:
         """Unload a controller that does not run (CM-34 … CM-36).
 
-        One that is being loaded is given up, and its loading raises an error.
+        If it is being loaded, the loading is cancelled and raises an error.
 
         Raises:
             ControllerNotFoundError: No such controller is loaded.
@@ -287,9 +288,9 @@ class ControllerManager:
     def list_controllers(self) -> list[ControllerStatus]:
         """Return the loaded controllers in load order (CM-81), then those loading.
 
-        All are as they were between the same two changes of who runs: in the middle of
-        a switch a joint would seem to have two owners. While a change takes longer than
-        `_PATIENCE`, they are as they were before it.
+        All statuses are of one moment between two switches: in the middle of a switch a
+        joint would seem to have two owners. If a switch takes longer than `_PATIENCE`,
+        the list is the last one from before it.
         """
         loaded = self._between_changes()
         return [*loaded, *(one.status() for one in list(self._loading.values()))]
@@ -300,8 +301,8 @@ class ControllerManager:
         is_inside = threading.get_ident() == self.controller_update.thread
         while True:
             before = changes.count
-            # An odd count means that a change is going on. The thread that makes it
-            # cannot wait for itself.
+            # The count is odd during a change. The thread that makes the change must
+            # not wait for itself.
             if before % 2 == 0 or is_inside:
                 # If the count has not moved meanwhile, the statuses are of one moment.
                 found = [one.status() for one in self.lifecycle.loaded]
@@ -309,7 +310,7 @@ class ControllerManager:
                     self._listed = {status.name: status for status in found}
                     return found
             now = clock.now()
-            # Better a list of a moment ago than an event loop that waits.
+            # A slightly old list is better than an event loop that waits.
             if now >= deadline:
                 loaded, listed = self.lifecycle.loaded, self._listed
                 return [listed.get(o.info.name) or o.status() for o in loaded]
@@ -329,7 +330,7 @@ class ControllerManager:
         return [one.info for one in loaded if one.controller.is_running()]
 
     def is_switching(self) -> bool:
-        """Return whether a switch was handed to the control thread and is not over."""
+        """Return whether a switch was posted to the control thread and is not over."""
         return self.controller_update.pending is not None
 
     def get_controller(self, name: str) -> ControllerBase:
@@ -345,14 +346,14 @@ class ControllerManager:
         return self._factory.declared_types()
 
     def describe_controller_types(self) -> list[ControllerType]:
-        """Return everything the loaders declare, with parameters; may import modules.
+        """Return all declared types with their parameters; may import modules.
 
         Not for the control thread.
         """
         return self._factory.describe_types()
 
     def register_loader(self, loader: ControllerLoader) -> None:
-        """Ask `loader`, too, after those that are known already."""
+        """Add a loader, which is asked after those that are known already."""
         with self._lock:
             self._factory.loaders.append(loader)
 
@@ -380,7 +381,7 @@ class ControllerManager:
                     remedy="Unload them first, or set force_kill.",
                     details={"loaded": names},
                 )
-            # Best effort: what runs is stopped, and the others are no reason to refuse.
+            # Best effort: controllers that do not run are no reason to refuse.
             if names:
                 self._switches.carry_out(
                     SwitchRequest((), names, Strictness.BEST_EFFORT)
@@ -392,18 +393,18 @@ class ControllerManager:
             return names
 
     def chains(self) -> ControllerChains:
-        """Return the loaded controllers with who commands whom."""
+        """Return which loaded controllers command and read which others."""
         return chains_report(self.lifecycle.loaded)
 
     def controller_statistics(self) -> list[ControllerStatistics]:
-        """Return the times of all loaded controllers, in load order."""
+        """Return the update times of all loaded controllers, in load order."""
         time = self.controller_update.time
         return [loaded.statistics(time) for loaded in self.lifecycle.loaded]
 
     def end_async_threads(self) -> None:
-        """End the threads of asynchronous controllers and robots, without a loop.
+        """End the threads of asynchronous controllers and robots; no loop may run.
 
-        Controllers and hardware go on: a loop that runs again makes new threads.
+        Controllers and hardware stay active: a loop that runs again makes new threads.
         """
         for one in self.lifecycle.loaded:
             if one.beside is not None:
@@ -421,8 +422,8 @@ class ControllerManager:
     def switch_controller(self, request: SwitchRequest) -> SwitchResult:
         """Start and stop controllers and the hardware with them, in one cycle.
 
-        Returns when the control thread is done with it. With `dry_run` nothing is
-        done, and the hardware is not asked to prepare.
+        Returns when the control thread has finished the switch. With `dry_run` nothing
+        changes, and the hardware is not asked to prepare.
 
         Args:
             request: Controllers to start and to stop.
@@ -430,11 +431,10 @@ class ControllerManager:
         Raises:
             ResourceConflictError: Two controllers would own the same resource
                 (CM-52); `details` says who holds it.
-            SwitchRefusedError: The switch is not possible; controllers and hardware are
-                as
-                before. Also a strict switch in which a controller did not start.
-            SwitchTimeoutError: No cycle came in time and it was withdrawn, or the
-                loop stood still in the middle of it.
+            SwitchRefusedError: The switch is not possible, or a controller did not
+                start in a strict one; controllers and hardware are as before.
+            SwitchTimeoutError: No cycle came in time and the switch was withdrawn, or
+                the loop stood still in the middle of it.
             ControllerStateError: Called from within a cycle, which would wait for
                 itself.
         """
@@ -465,15 +465,15 @@ class ControllerManager:
         Raises:
             HardwareComponentNotFoundError: There is no such component.
             HardwareComponentError: It is in use or finalized, or a hook refuses.
-            SwitchTimeoutError: The switch before is not finished in time.
+            SwitchTimeoutError: The switch before this call did not finish in time.
             ControllerStateError: Called from within a cycle, or by a hook.
         """
         self._refuse_control_thread("set hardware for", waits=True)
-        # A switch asks for the states before it begins: they must not change meanwhile.
+        # A switch checks these states before it begins: they must stay meanwhile.
         with self._switches.one_at_a_time(SWITCH_BOUND):
             self.lifecycle.components.change(name, state, self.running)
 
-    # What the above share
+    # What these methods share
 
     def _refuse_control_thread(self, verb: str, *, waits: bool = False) -> None:
         update = self.controller_update
@@ -489,7 +489,7 @@ class ControllerManager:
         """Refuse a controller whose claimed exports were unloaded while it was loading.
 
         Raises:
-            ControllerLoadError: It does.
+            ControllerLoadError: An export that it claims was unloaded.
         """
         for one in (*loaded.following, *loaded.read):
             if one not in self.lifecycle.loaded:
@@ -521,7 +521,7 @@ class ControllerManager:
                 remedy=f"Stop '{name}' again, so that the robot is told again.",
                 details={"controller": name, "state": loaded.controller.state.value},
             )
-        # The holder of the ownership decides: here, or a fallback being started.
+        # The ownership can be taken once: by this unloading, or by a fallback's start.
         owned = loaded.ownership.acquire(blocking=False)
         planned = name in self._switches.planned
         if not owned or planned or loaded.controller.is_running():

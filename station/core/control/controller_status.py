@@ -13,19 +13,19 @@ class ControllerStatus:
 
     Attributes:
         name: Name under which it is loaded.
-        type: Its type as the parameters have it.
+        type: Type as the parameters name it.
         state: State of its life cycle.
         claimed_resources: Claims, one entry per hardware interface (CM-85).
-        fault: Why it was stopped by the manager; None if it was not.
+        fault: Why the manager stopped it; None if the manager did not.
         traceback: Traceback that belongs to `fault`; None if there is none.
         fallback: Names of the controllers that take over when it fails.
         time: Duration of its updates [s].
-        notes: Surprises for its user, such as a parameter that has no effect; one
+        notes: Warnings for its user, e.g. of a parameter that has no effect; one
             sentence or more each.
         update_rate: How often it is updated while it runs [Hz]; 0 while no loop is
             known.
-        async_update: Its updates in a thread of its own; None if the control thread
-            updates it.
+        async_update: Report on its updates in a thread of its own; None if the control
+            thread updates it.
     """
 
     name: str
@@ -47,9 +47,9 @@ class ControllerCondition:
 
     Attributes:
         name: Name under which it is loaded.
-        type: Its type as the parameters have it.
+        type: Type as the parameters name it.
         state: State of its life cycle.
-        fault: Why it was stopped by the manager; None if it was not.
+        fault: Why the manager stopped it; None if the manager did not.
         traceback: Traceback that belongs to `fault`; None if there is none.
     """
 
@@ -73,7 +73,7 @@ class ControllerStatistics:
         mean_time: Mean duration of an update [s].
         variance_time: Variance of the durations [s^2].
         num_control_loop_overruns: Updates that took longer than the cycle's period.
-        time_last_control_loop_overrun: Station time of the last one [s].
+        time_last_control_loop_overrun: Station time of the last such update [s].
         time: Percentiles of the durations [s]; its `count` is the number of updates.
         total_updates: Updates since it was loaded; a reset of the statistics does not
             change it.

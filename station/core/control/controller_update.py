@@ -1,4 +1,4 @@
-"""Updates the running controllers once per cycle: switches them, contains their faults.
+"""The manager's update in a cycle: controllers, switches, faults and commands.
 
 Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp, update;
 differs: nothing that a controller does ends the update (CM-80).
@@ -29,24 +29,24 @@ _RUNNING = ControllerState.RUNNING
 _INF = float("inf")
 
 LATE_UPDATES = 100
-"""After so many updates in a row over the budget a controller is stopped. A single one
-may be the machine's doing: another process had the processor."""
+"""Number of updates in a row over the budget after which a controller is stopped. A
+single one may be due to another process that had the processor."""
 LONGEST_UPDATE = 0.25
-"""After two updates as long as this, the second within `STALL_MEMORY` of the first, a
-controller is stopped [s]. A single one may be the machine's doing as well: the thread
-that has the interpreter lock may be kept off the processor for so long."""
+"""Duration of an update that counts as a stall [s]: the second stall within
+`STALL_MEMORY` stops the controller. A single one may be due to the machine, too: it may
+keep the thread that has the interpreter lock off the processor for so long."""
 STALL_MEMORY = 10.0
-"""How long the first of these counts [s station time]."""
+"""Time for which a stall counts [s station time]."""
 
 
 class StateChanges:
     """Marks changes of the set of running controllers, for readers in other threads.
 
-    No thread waits for a lock: a reader looks whether a change has begun or ended
-    while it read, and reads again. Entered for a change, also within one.
+    No thread waits for a lock: a reader compares `count` before and after it reads, and
+    reads again after a change. A change is a `with` block, which may contain another.
 
     Attributes:
-        count: Odd during a change; another number after each.
+        count: Odd during a change; grows with each change.
     """
 
     def __init__(self) -> None:
@@ -67,8 +67,8 @@ class StateChanges:
 class ControllerUpdate:
     """Updates the loaded controllers; every method is for the control thread.
 
-    It never waits: callers swap `lifecycle.loaded` and put a switch into `pending`, the
-    control thread looks at both once a cycle.
+    It never waits: callers replace `lifecycle.loaded` and put a switch into `pending`;
+    the control thread looks at both once per cycle.
 
     Args:
         lifecycle: Starts and stops the controllers, and has the list of them.
@@ -76,15 +76,15 @@ class ControllerUpdate:
     Attributes:
         lifecycle: As given.
         gate: Keeps the commands with their owners; knows which controllers run.
-        interrupted: Names of the controllers that were stopped because the robot did
-            not carry out their commands, the last time that happened.
-        changes: When it changes who runs.
+        interrupted: Names of the controllers that were stopped, the last time that the
+            robot did not carry out their commands.
+        changes: Marks the changes of the running controllers.
         update_budget: How long an update may take [s]; infinite without a budget.
         cycle: Number of cycles.
         time: Station time of the last cycle [s].
         thread: The thread of the last cycle.
         is_updating: Whether a cycle's update is under way.
-        pending: The switch that is under way; None without one.
+        pending: The switch under way; None without one.
         resets: Whether the next cycle restarts all controllers first.
         stopwatch: Returns wall time [s]; None takes the clock of the system.
     """
@@ -121,7 +121,7 @@ class ControllerUpdate:
         Raises:
             ValueError: `time` or `period` is negative or not finite.
         """
-        # A negative or unknown period would turn integrators and filters around.
+        # A negative or unknown period would corrupt integrators and filters.
         if not (0.0 <= time < _INF and 0.0 <= period < _INF):
             self.resets = False  # a cycle that is refused changes nothing
             raise ValueError(
@@ -132,16 +132,16 @@ class ControllerUpdate:
         self.is_updating = True
         self.cycle += 1
         self.time = time
-        # Callers may unload a controller that fails before the rest is updated.
+        # Another thread may unload a controller that fails below, within this update.
         gate = self.gate
         try:
             if not stands_still:
-                # Rare, so one test in the usual cycle.
+                # Three rare cases; the usual cycle makes only this test.
                 if gate.traced_cycles or self.resets or self.hw.is_interrupted():
                     self._stop_or_restart(time)
                 last = None
-                # `running` is valid as long as nobody has started or stopped; else all
-                # are looked at.
+                # `running` is valid while no controller has started or stopped;
+                # otherwise the loop goes through all of them.
                 for one in () if gate.is_stale else gate.running:
                     if one.controller.state is _RUNNING:
                         self.update_controller(one, time, period)
@@ -149,7 +149,7 @@ class ControllerUpdate:
                             last = one
                             break
                 if gate.is_stale:
-                    # Controllers have started or stopped, also by a fault of the last.
+                    # A controller has started or stopped, e.g. the last one failed.
                     loaded = self.lifecycle.loaded
                     after = 0 if last is None else loaded.index(last) + 1
                     self._update_all(loaded[after:], time, period)
@@ -170,7 +170,7 @@ class ControllerUpdate:
             time: Station time [s].
 
         Returns:
-            Whether there was one.
+            Whether there was a switch.
         """
         if self.pending is None:
             return False
@@ -180,7 +180,7 @@ class ControllerUpdate:
     def update_controller(
         self, one: LoadedController, time: float, period: float
     ) -> None:
-        """Update one controller in the cycles of its rate, and check its commands."""
+        """Update one controller if its rate says so, and check its commands."""
         elapsed = one.count_cycle(period) if one.every > 1 else period
         if elapsed < 0.0:
             return
@@ -212,7 +212,7 @@ class ControllerUpdate:
             self._find_intrusion(one, time)
 
     def _stop_or_restart(self, time: float) -> None:
-        """Stop whom the robot has interrupted; restart all after a reset."""
+        """Stop interrupted controllers; restart all after a reset."""
         gate, lifecycle = self.gate, self.lifecycle
         with self.changes:
             if gate.traced_cycles:
@@ -245,7 +245,7 @@ class ControllerUpdate:
         refused = None if is_finite else one.commands.refused()
         if refused is not None:
             self._fail(one, time, f"update wrote the {refused}", None)
-        # The first update is judged once its commands are known to be finite.
+        # The first update is checked for a jump once its commands are known finite.
         elif one.fresh:
             with self.changes:
                 self.lifecycle.check_first_update(one, time)
@@ -302,7 +302,7 @@ class ControllerUpdate:
                 found.append(one)
                 one.abort_goals(f"The robot ended the motion: {reason}.")
                 self.lifecycle.stop(one, time)
-                # A fault of its `stopping` says more than the robot's reason.
+                # A fault in `stopping` says more than the robot's reason.
                 one.fault = one.fault or reason
                 one.commands.write_rest()
         if found:
@@ -317,7 +317,7 @@ class ControllerUpdate:
         """
         pending = self.pending
         with self.changes:
-            # The switch first: it must not start anything after the stop.
+            # End the switch first: it must not start anything after the stop.
             involved = [] if pending is None else self._end(pending, time)
             loaded = self.lifecycle.loaded
             running = [one for one in loaded if one.controller.is_running()]
@@ -330,11 +330,11 @@ class ControllerUpdate:
     def _end(self, pending: PendingSwitch, time: float) -> list[LoadedController]:
         """End a switch under way; return its controllers.
 
-        Nothing happens when its caller has withdrawn it already.
+        If its caller has withdrawn it already, nothing happens.
         """
         if pending.progress is SwitchProgress.POSTED:
             if not pending.claim.acquire(blocking=False):
-                # The caller has just withdrawn it, so nobody waits.
+                # The caller has just withdrawn it and does not wait.
                 return []
             involved: list[LoadedController] = []
         else:
@@ -353,7 +353,7 @@ class ControllerUpdate:
         self, pending: PendingSwitch, time: float, period: float, *, stands_still: bool
     ) -> None:
         if not stands_still:
-            # A world that was reset in a pause has changed the commands itself.
+            # A reset of the world during a pause has changed the commands.
             self.gate.restore_commands()
         transaction = self.transaction
         if pending.progress is SwitchProgress.POSTED or transaction is None:
@@ -370,7 +370,7 @@ class ControllerUpdate:
             if not transaction.advance(time):
                 return
             if pending.request.zero_period:
-                # What was started is updated without any time having passed.
+                # Update the started controllers with a period of zero.
                 for one in dict.fromkeys(pending.start):
                     if one.controller.state is _RUNNING and one.fresh:
                         self.update_controller(one, time, 0.0)
@@ -383,7 +383,7 @@ class ControllerUpdate:
 
 
 def milliseconds(duration: float) -> str:
-    """Return a duration [s] in milliseconds, of three digits and never as a power.
+    """Return a duration [s] in milliseconds, with three digits and no exponent.
 
     Args:
         duration: The duration [s].

@@ -1,4 +1,4 @@
-"""The life cycle of hardware components: which of them offer command interfaces.
+"""The life cycle of hardware components, which decides who may command them.
 
     unconfigured ── on_configure ──▶ inactive ── on_activate ──▶ active
                  ◀── on_cleanup ───           ◀── on_deactivate ─
@@ -28,7 +28,7 @@ from station.core.parameters import Parameters
 from station.reports import ComponentInterface, HardwareComponentReport
 
 INITIAL_STATE = "hardware_components_initial_state"
-"""Parameter that names the components that do not begin as active ones."""
+"""Parameter that names the components that do not begin as active."""
 
 
 class ComponentState(Enum):
@@ -67,10 +67,10 @@ class _LiveComponent:
         return resource in one.robot.get_interface_resources(hardware_interface)
 
     def steps(self, target: ComponentState) -> list[tuple[str, ComponentState]]:
-        """Return the hooks that lead to another state, each with the state after it.
+        """Return the hooks that lead to another state, each with the state it leads to.
 
         Raises:
-            HardwareComponentError: It is finalized.
+            HardwareComponentError: The component is finalized.
         """
         if self.state is target:
             return []
@@ -89,7 +89,7 @@ class _LiveComponent:
         return [(_DOWN[n - 1], _ORDER[n - 1]) for n in range(here, there, -1)]
 
     def carry_out(self, hook: str, after: ComponentState) -> None:
-        """Call a hook and take the state after it.
+        """Call a hook; the component then has the state `after`.
 
         Raises:
             HardwareComponentError: The hook refuses or fails.
@@ -145,8 +145,8 @@ class HardwareComponents:
         initial = params.namespace(INITIAL_STATE)
         wanted = dict.fromkeys(self._live, ComponentState.ACTIVE)
         for key in initial.keys():  # noqa: SIM118 - no mapping
-            # ROS 2 has a flag there that shuts the manager down; here a hook that fails
-            # always ends the start.
+            # In ROS 2 this flag decides whether a failing hook shuts the manager down;
+            # here such a hook always ends the start.
             if key == "shutdown_on_initial_state_failure":
                 continue
             states = {one.value: one for one in _ORDER}
@@ -170,8 +170,8 @@ class HardwareComponents:
         """Bring a component into another state. Not for the control thread.
 
         Args:
-            name: Its name.
-            target: The state; hooks on the way are called in their order.
+            name: Name of the component.
+            target: The new state; hooks on the way are called in their order.
             running: Returns the running controllers.
 
         Raises:
@@ -183,7 +183,7 @@ class HardwareComponents:
         if not steps:
             return
         leaves = live.state is ComponentState.ACTIVE
-        # No controller starts from here on, a fallback neither: it looks at this.
+        # From here on no controller starts, nor does a fallback: both check this.
         live.offers_commands = self._all_active = False
         try:
             users = self.users(name, running()) if leaves else []
@@ -201,7 +201,7 @@ class HardwareComponents:
             self._all_active = all(one.offers_commands for one in self._live.values())
 
     def users(self, name: str, controllers: Sequence[ControllerInfo]) -> list[str]:
-        """Return the names of those controllers that command a component.
+        """Return the names of the given controllers that command a component.
 
         Args:
             name: The component.
@@ -254,7 +254,7 @@ class HardwareComponents:
 
 
 def _commands(live: _LiveComponent, info: ControllerInfo) -> str | None:
-    """Return a resource of the component that a controller claims; None for none."""
+    """Return a resource of the component that a controller claims; None if none."""
     for claim in info.claimed_resources:
         for resource in claim.resources:
             if live.has(claim.hardware_interface, resource):

@@ -32,12 +32,12 @@ class UpdateTimes(DurationRing):
     """Durations of a controller's updates [s], and those that took too long.
 
     Attributes:
-        overruns: Updates that took longer than the period, since it was loaded.
-        overruns_before: Those of them before the statistics were started anew.
-        last_overrun: Station time of the last of them [s].
+        overruns: Number of updates since loading that took longer than the period.
+        overruns_before: `overruns` when the statistics were started anew.
+        last_overrun: Station time of the last overrun [s].
         late_updates: Updates in a row that took longer than the budget.
-        stalled_at: Station time of its last update that took very long [s]; minus
-            infinity since its start.
+        stalled_at: Station time of the last stall, see `LONGEST_UPDATE` [s]; minus
+            infinity if there was none since the start.
     """
 
     def __init__(self) -> None:
@@ -46,13 +46,13 @@ class UpdateTimes(DurationRing):
         super().__init__(1024)
 
     def reset(self) -> None:
-        """Start the statistics anew; control thread or between cycles."""
+        """Start the statistics anew; called in the control thread or between cycles."""
         super().reset()
         self.overruns_before = self.overruns
         self.last_overrun = 0.0
 
     def forget_late_updates(self) -> None:
-        """Let no late update of an earlier run count against this one."""
+        """Forget late updates of earlier runs."""
         self.late_updates = 0
         self.stalled_at = -inf
 
@@ -71,19 +71,20 @@ class LoadedController:
         is_unreleased: Whether the robot has not confirmed that the controller has
             stopped, so that the robot may still be in the controller's mode.
         fresh: Whether it was started and has not been updated yet.
-        ownership: Lock of a start or an unloading; never waited for.
+        ownership: Lock that a start or an unloading holds; no thread waits for it.
         times: Durations of its updates.
         sampled: The columns of its sample; None if it makes samples itself.
         place: Index of its first column in a snapshot's row; -1 without columns.
-        references: References that it exports.
-        states: States that it exports.
-        following: Controllers whose references it commands.
-        read: Controllers whose exported states it reads.
+        references: References that this controller exports.
+        states: States that this controller exports.
+        following: Controllers whose references this controller commands.
+        read: Controllers whose exported states this controller reads.
         update_rate: The rate that its parameters ask for [Hz]; 0 for every cycle.
-        every: It is updated in every so manieth cycle, >= 1.
-        countdown: How many cycles it waits for its next update.
+        every: Number of cycles from one update to the next, >= 1.
+        countdown: Number of cycles until its next update.
         elapsed: Time since its last update, or since its start [s].
-        beside: Updates it in a thread of its own; None if the control thread does.
+        beside: Updates it in a thread of its own; None if the control thread updates
+            it.
     """
 
     def __init__(
@@ -130,7 +131,7 @@ class LoadedController:
         self.times = UpdateTimes()
 
     def set_loop_period(self, period: float) -> None:
-        """Choose the possible rate that is nearest to the one asked for.
+        """Choose the possible update rate that is nearest to the requested one.
 
         Args:
             period: Nominal period of the loop [s], > 0.
@@ -138,7 +139,8 @@ class LoadedController:
         self.loop_period = period
         if self.update_rate > 0.0:
             fewer = max(int(1.0 / (period * self.update_rate)), 1)
-            # A rate is the loop's over a whole number: one of these two is nearest.
+            # Possible rates are those of the loop over whole numbers; one of two is
+            # nearest.
             self.every = min(
                 (fewer, fewer + 1),
                 key=lambda n: abs(1.0 / (n * period) - self.update_rate),
@@ -149,9 +151,9 @@ class LoadedController:
             self.beside.every, self.every = self.every, 1
 
     def count_cycle(self, period: float) -> float:
-        """Count a cycle; return the time since its last update if an update is due.
+        """Count a cycle; return the time since the last update if the next one is due.
 
-        Otherwise its commands are kept.
+        If none is due, the controller's commands are written again.
 
         Args:
             period: Time since the last cycle [s].
@@ -162,7 +164,7 @@ class LoadedController:
         self.elapsed += period
         if self.countdown > 0:
             self.countdown -= 1
-            # The robot may have limited them in place; it goes on from these.
+            # The robot may have limited them in place: write the unlimited ones.
             self.commands.write_again()
             return -1.0
         self.countdown = self.every - 1
@@ -207,7 +209,7 @@ class LoadedController:
     def _newest_goal(self) -> Goal | None:
         port = self.controller.goals
         goals = [] if port is None else port.goals()
-        # Compiled code does not wrap negative indices around.
+        # Not goals[-1]: compiled code does not accept negative indices.
         return goals[len(goals) - 1] if goals else None
 
     def abort_goals(self, reason: str) -> None:
@@ -224,14 +226,14 @@ class LoadedController:
         return None if self.may_jump else self.commands.excessive_jump()
 
     def missing_following(self) -> "LoadedController | None":
-        """Return a following controller that does not run; None without."""
+        """Return a following controller that does not run; None if all run."""
         for one in self.following:
             if one.controller.state is not ControllerState.RUNNING:
                 return one
         return None
 
     def add_fault(self, text: str) -> None:
-        """Note another thing that went wrong, after those noted before."""
+        """Add another fault after those noted before."""
         self.fault = text if self.fault is None else f"{self.fault} ({text})"
 
     def status(self) -> ControllerStatus:

@@ -1,9 +1,9 @@
 """Loading controllers in threads of their own, beside everything else.
 
-Importing a plug-in, its constructor and its `init` are code that the station did not
-write: they may take seconds, hang, or call the manager themselves. They run in a thread
-of their own and under no lock. The caller waits for the controller up to a
-deadline and can cancel it; nothing else waits.
+Importing a plug-in, its constructor and its `init` are foreign code: they may take
+seconds, hang, or call the manager. They run in a thread of their own and under no lock.
+The caller waits for the controller up to a deadline and can cancel the loading; nothing
+else waits.
 """
 
 import threading
@@ -23,11 +23,11 @@ class Loading:
     """A controller that is being loaded.
 
     Args:
-        name: Its name.
-        build: Imports, creates and initialises it.
+        name: Name of the controller.
+        build: Imports, creates and initialises the controller.
 
     Attributes:
-        name: The same.
+        name: As given.
     """
 
     def __init__(self, name: str, build: Callable[[], LoadedController]) -> None:
@@ -45,11 +45,11 @@ class Loading:
             timeout: How long to wait for it [s wall time], > 0.
 
         Raises:
-            ControllerLoadError: The loading took too long, or was cancelled. Its
-                thread cannot be ended; whatever it returns later is thrown away.
+            ControllerLoadError: The loading took too long, or was cancelled. Its thread
+                cannot be ended; a controller that it makes later is thrown away.
             BaseException: Whatever building it raised.
         """
-        # A daemon: an import that never returns must not keep the process alive.
+        # A daemon thread: an import that never returns must not keep the process alive.
         thread = threading.Thread(
             target=self._run, name=f"load {self.name}", daemon=True
         )
@@ -70,7 +70,7 @@ class Loading:
             )
         thread.join()  # it has set the event and ends
         if self._error is not None:
-            # Not kept: the traceback would keep a refused controller alive.
+            # The error is not kept: its traceback would keep the controller alive.
             error, self._error = self._error, None
             try:
                 raise error
@@ -79,13 +79,13 @@ class Loading:
         return self._loaded.pop()
 
     def cancel(self) -> None:
-        """Let the caller that waits go on without the controller."""
+        """Let the waiting caller go on without the controller."""
         self._is_cancelled = True
-        # Last: `run` looks at the flag when it wakes up.
+        # The event comes last: `load` looks at the flag when it wakes up.
         self._done.set()
 
     def status(self) -> ControllerStatus:
-        """Return the status of the controller, for people."""
+        """Return the status of the controller."""
         return ControllerStatus(
             self.name,
             "",

@@ -1,4 +1,4 @@
-"""A switch that passes from the caller to the control thread and back."""
+"""A switch on its way from the caller to the control thread and back."""
 
 import threading
 from enum import Enum
@@ -28,24 +28,24 @@ class SwitchProgress(Enum):
 class PendingSwitch:
     """One planned switch and its progress.
 
-    It belongs to the thread that gets `claim`: the control thread when it begins, or
-    the caller who withdraws it. So a switch is carried out for hardware and controllers
+    It belongs to the thread that acquires `claim`: the control thread to begin it, or
+    the caller to withdraw it. So a switch is carried out for hardware and controllers
     alike, or not at all (CM-74). No thread waits for `claim`; only the caller waits for
     `done`, which the control thread releases.
 
     Args:
-        request: Request as it was made.
-        plan: Plan that follows from the request.
+        request: The request of the caller.
+        plan: The plan that follows from the request.
         start: Controllers to start, in the order of the request.
         stop: Controllers to stop, in the order of the request.
         time: Station time at the request [s]; None when no cycle has run yet.
 
     Attributes:
-        failed: Why a controller of the request is not as requested, by name.
+        failed: By name, why a controller is not as requested.
         given_up: Names that failed by themselves and are not tried again.
-        not_restored: Why a controller that ran before does not run again, by name.
+        not_restored: By name, why a controller that ran before does not run again.
         jump: Step of the first command by resource.
-        expired: Set by the caller: give up waiting for the hardware.
+        expired: Whether to give up waiting for the hardware; set by the caller.
         error: The switch is refused with this error; None if it is not refused.
         outcome: How it ended.
         cycle: Cycle in which it was finished.
@@ -80,12 +80,12 @@ class PendingSwitch:
     def finish(self, cycle: int) -> None:
         """Mark the switch as finished and wake its caller. Control thread."""
         self.cycle = cycle
-        # Before the lock is released: the caller reads all of it at once.
+        # Set before the lock is released, because the caller then reads everything.
         self.progress = SwitchProgress.FINISHED
         self.done.release()
 
     def note_start(self, name: str, problem: str | None) -> None:
-        """Note that the controller `name` was started, or `problem` if it was not."""
+        """Note that the controller `name` was started; otherwise note `problem`."""
         if problem is not None:
             self.failed[name] = problem
             self.given_up.add(name)
@@ -95,7 +95,7 @@ class PendingSwitch:
     def is_late(self, time: float) -> bool:
         """Return whether the hardware has taken too long at station time `time` [s].
 
-        Later than the timeout by more than rounding (CM-67); `expired` counts, too.
+        True after the timeout plus a margin for rounding (CM-67), and once `expired`.
         """
         if self.expired:
             return True
@@ -158,7 +158,7 @@ def refused(name: str, reason: str, pending: PendingSwitch) -> SwitchRefusedErro
 
     Args:
         name: The controller.
-        reason: Why.
+        reason: Why it did not start.
         pending: The switch; its `jump` goes into the details.
     """
     return SwitchRefusedError(

@@ -14,7 +14,7 @@ length n of each of the first four."""
 
 
 class Column:
-    """A column, shape (n,); `values` are the controller's own."""
+    """A column, shape (n,), over memory of the controller."""
 
     def __init__(self, values: Doubles) -> None:
         self.values = values
@@ -40,14 +40,14 @@ class SampleColumns:
         self.size = len(columns[0])
         self.row = zeros(sum(len(view) for view in self.views))
         self.packed = memoryview(self.row).cast("B")
-        # No station time yet: readers take the row for empty.
+        # NaN as station time tells readers that the row is empty.
         self.row[0] = float("nan")
         self.width = len(self.row)
 
     @property
     def newest(self) -> PackedColumns | None:
         """Return the sample packed last; None before the first. Any thread."""
-        # Copied at once: the control thread may pack the next columns meanwhile.
+        # Copied in one step: the control thread may pack the next columns meanwhile.
         packed = memoryview(self.row).tobytes()
         (stamp,) = memoryview(packed[:8]).cast("d")
         return None if isnan(stamp) else (stamp, packed[8:], self.size)
@@ -65,5 +65,5 @@ class SampleColumns:
                 copy_into(self.row, at, column.values, column.size)
                 at += column.size
         else:
-            # At once, for readers in other threads.
+            # Written in one step, for readers in other threads.
             self.packed[:] = b"".join(self.views)

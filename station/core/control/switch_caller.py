@@ -1,8 +1,8 @@
 """The caller's half of a switch: plan it, ask the robot, post it, wait for the end.
 
-One switch at a time asks the robot, whose `prepare_switch` and `check_for_conflict` may
-take long; later callers wait up to their own bounds. Loading, unloading and
-listing controllers do not wait for it.
+Only one switch at a time asks the robot, whose `prepare_switch` and
+`check_for_conflict` may take long. Later callers wait, each up to its own bound.
+Loading, unloading and listing controllers do not wait for the switch.
 """
 
 import threading
@@ -34,9 +34,9 @@ from station.core.faults import CONTAINED, reason_of, trace_of_fault
 from station.core.hardware.robot_hw import RobotHW
 
 SWITCH_GRACE = 1.0
-"""How much later than its timeout a switch is given up [s wall time] (CM-74)."""
+"""Time after its timeout at which a switch is given up [s wall time] (CM-74)."""
 WAIT_SLICE = 0.05
-"""How often a waiting caller looks whether the loop's thread came or went [s]."""
+"""Interval at which a waiting caller checks whether a thread runs the loop [s]."""
 
 
 class SwitchCaller:
@@ -66,7 +66,7 @@ class SwitchCaller:
         self._switcher = 0  # identity of the thread that has `_switching`
 
     def switch(self, request: SwitchRequest) -> SwitchResult:
-        """Carry a switch out after those before it; see `ControllerManager`."""
+        """Carry a switch out after earlier ones; see `ControllerManager`."""
         with self.one_at_a_time(_bound_of(request)):
             return self.carry_out(request)
 
@@ -75,11 +75,11 @@ class SwitchCaller:
         """Let one switch at a time ask the robot.
 
         Args:
-            bound: How long to wait for the one before [s wall time].
+            bound: How long to wait for the switch before [s wall time].
 
         Raises:
-            ControllerStateError: The robot or a policy asks for a switch while it is
-                asked about one.
+            ControllerStateError: The caller is a hook of the robot, or a policy, that
+                is being asked about another switch.
             SwitchTimeoutError: The switch before is not finished in time.
         """
         here = threading.get_ident()
@@ -105,7 +105,7 @@ class SwitchCaller:
             self._switching.release()
 
     def carry_out(self, request: SwitchRequest) -> SwitchResult:
-        """Carry a switch out; within `one_at_a_time`.
+        """Carry a switch out; called within `one_at_a_time`.
 
         Args:
             request: Controllers to start and to stop.
@@ -125,7 +125,7 @@ class SwitchCaller:
             )
         update = self._update
         with self._lock:
-            # From here on nobody unloads what this switch is about.
+            # From here on no caller unloads a controller of this switch.
             start = [update.lifecycle.find(name) for name in plan.start_requests]
             stop = [update.lifecycle.find(name) for name in plan.stop_requests]
             # A following controller starts first and stops last; without chains the
@@ -188,14 +188,14 @@ class SwitchCaller:
             } - set(plan.stop_requests)
             if request.strictness is not Strictness.FORCE_AUTO or not held:
                 raise conflict_error(conflicts, running)
-            # Each round stops one controller more, so the loop ends.
+            # Each round stops one more controller, so the loop ends.
             request = replace(request, stop=(*request.stop, *sorted(held)))
 
     def _unavailable(self, plan: SwitchPlan, request: SwitchRequest) -> dict[str, str]:
-        """Return the controllers that cannot start on their hardware, each with why.
+        """Return why controllers cannot start on their hardware, by name.
 
         Raises:
-            SwitchRefusedError: There is one, and the request is not best effort.
+            SwitchRefusedError: There is such a controller, and the request is strict.
         """
         components = self._update.lifecycle.components
         found = {
@@ -237,7 +237,7 @@ class SwitchCaller:
                 clock.wait_for(pending.done, min(deadline, now + WAIT_SLICE))
 
     def _withdraw(self, pending: PendingSwitch) -> bool:
-        """Take back a switch that has not begun; let one that has end itself."""
+        """Take a switch back and return True; if it has begun, let it expire."""
         if pending.claim.acquire(blocking=False):
             self._update.pending = None
             return True

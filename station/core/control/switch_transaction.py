@@ -15,14 +15,14 @@
     switch_result each cycle ─ DONE ─▶ start those that ran ─▶ rolled back
        │ ERROR, raises, more than `ROLLBACK_CYCLES`, or a start fails
        ▼
-    halted: everybody in the switch is stopped, do_switch([], all of them); the result
-    says so, and names the controllers that the robot has not confirmed.
+    halted: all controllers in the switch are stopped, do_switch([], all of them); the
+    result says so, and names the controllers that the robot has not confirmed.
 
 With best effort, and with `start_asap`, a controller that cannot be started is taken
 off the hardware by itself and the others stay: the switch is committed in part.
 
-A switch that only stops is never rolled back, because nobody wants what he has stopped
-to run again: the controllers stop and their resources rest whatever the hardware says.
+A switch that only stops is never rolled back, because its caller does not want the
+controllers to run again: they stop and their resources rest whatever the hardware says.
 
 Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp, manageSwitch,
 startControllers, startControllersAsap; differs: see
@@ -49,8 +49,8 @@ from station.core.hardware.robot_hw import ControllerInfo, SwitchState
 _RUNNING = ControllerState.RUNNING
 
 ROLLBACK_CYCLES = 2000
-"""How many cycles the hardware gets to take a switch back. A Franka that has to come to
-rest before it changes its mode needs a few hundred."""
+"""Number of cycles in which the hardware must take a switch back. A Franka that has to
+come to rest before it changes its mode needs a few hundred."""
 
 
 class SwitchTransaction:
@@ -131,7 +131,7 @@ class SwitchTransaction:
         return None
 
     def _start_together(self, time: float) -> bool:
-        # Asked twice unless it is done, as upstream does: CM-64, CM-65.
+        # Up to two questions until it is done, as upstream asks: CM-64, CM-65.
         done, problem = self._ask(self._hw.switch_result, "switch_result")
         if done:
             return self._start_all(time)
@@ -190,12 +190,12 @@ class SwitchTransaction:
         return True
 
     def _start_when_ready(self, one: LoadedController, time: float) -> None:
-        # An aborted one is asked again while others wait, and may still start: CM-71.
+        # An aborted controller is asked again while others wait: CM-71.
         pending, name = self._pending, one.info.name
         if name in pending.given_up:
             return
         if name in self._begun:
-            # It has failed since its start, and the hardware knows.
+            # The controller has failed since its start, and the hardware knows.
             pending.note_start(name, one.fault or "it was stopped after its start")
             return
         done, problem = self._ask(
@@ -203,7 +203,7 @@ class SwitchTransaction:
         )
         following = one.missing_following()
         if done and following is not None:
-            # It waits for the controller that it commands, as for the hardware.
+            # It waits for its following controller as it waits for the hardware.
             done = following.controller.state is not ControllerState.WAITING
         if done:
             failure = self._lifecycle.start(one, time, pending.plan.stop, pending.jump)
@@ -228,7 +228,7 @@ class SwitchTransaction:
                 pending.note_start(name, failure)
 
     def _release_failed(self, stopped: list[LoadedController]) -> None:
-        """Withdraw from the hardware the controllers that could not be started.
+        """Take the controllers that could not be started off the hardware.
 
         Args:
             stopped: Controllers whose stop the hardware has not confirmed either.
@@ -248,7 +248,7 @@ class SwitchTransaction:
     def _keep_unreleased(self, problem: str) -> None:
         """End a switch that only stops, on hardware that did not carry it out."""
         if not self._pending.stop:
-            # Nobody is there to whom `failed` could give the reason.
+            # No controller is in the switch, so `failed` cannot give the reason.
             self._pending.error = SwitchRefusedError(
                 "The robot did not carry out a switch that starts and stops nothing: "
                 f"{problem}.",
@@ -276,7 +276,7 @@ class SwitchTransaction:
         undone = self._lifecycle.do_switch(self._restored, plan.start)
         done, _ = self._ask(self._hw.switch_result, "switch_result")
         if undone is None and done:
-            # Those to be stopped have not noticed anything and run on.
+            # The controllers to be stopped still run, and have not noticed.
             self._end_rolled_back()
             return True
         for one in self._was_running:
@@ -295,7 +295,7 @@ class SwitchTransaction:
     def _roll_back(self, begun: list[LoadedController], time: float) -> bool:
         """Stop the started controllers, and begin to restart the stopped ones."""
         plan = self._pending.plan
-        # Preceding controllers stop before those that they command.
+        # Preceding controllers stop before their following ones.
         for one in reversed(begun) if self._lifecycle.has_chains else begun:
             if one.controller.state is _RUNNING:
                 self._lifecycle.stop(one, time)
@@ -321,7 +321,7 @@ class SwitchTransaction:
     def _start_again(self, time: float) -> bool:
         pending = self._pending
         self._end_rolled_back()
-        # Following controllers start before those that command them.
+        # Following controllers start before their preceding ones.
         for one in sorted(self._was_running, key=depth_of):
             if one.controller.state is _RUNNING:
                 continue
@@ -332,7 +332,7 @@ class SwitchTransaction:
         return True
 
     def _end_rolled_back(self) -> None:
-        """Report that all is as before, but for controllers that failed earlier."""
+        """Report that all is as before, except for controllers that failed earlier."""
         pending = self._pending
         pending.outcome = SwitchOutcome.ROLLED_BACK
         for one in _once(pending.stop):
@@ -341,7 +341,7 @@ class SwitchTransaction:
                 pending.not_restored[one.info.name] = reason
 
     def _halt(self, time: float, problem: str) -> bool:
-        """Take everybody in the switch off the hardware: the safe state."""
+        """Take all controllers in the switch off the hardware: the safe state."""
         pending = self._pending
         pending.outcome = SwitchOutcome.HALTED
         for one in self._was_running:
@@ -360,7 +360,7 @@ class SwitchTransaction:
     def _ask(
         self, question: Callable[[], SwitchState], name: str
     ) -> tuple[bool, str | None]:
-        """Ask the hardware for its progress; return done, not yet, or the failure."""
+        """Ask the hardware whether it is done; return the answer and its failure."""
         try:
             if question() is SwitchState.DONE:
                 return True, None

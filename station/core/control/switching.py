@@ -1,10 +1,10 @@
 """The plan of a switch: the controllers to start and to stop, or a refusal.
 
-Planning is a pure function of the loaded controllers and the request. Carrying a plan
-out is the business of `controller_update.py`.
+Planning is a pure function of the loaded controllers and the request.
+`controller_update.py` carries a plan out.
 
 Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp,
-ControllerManager::switchController; differs: a refusal says why.
+ControllerManager::switchController; differs: a refusal states its reason.
 """
 
 from collections.abc import Iterable, Sequence
@@ -27,9 +27,9 @@ class Strictness(Enum):
     """Do all of it, or refuse."""
     AUTO = 3
     """As strict, and also start the following controllers that a start needs, and stop
-    the preceding controllers that cannot run on after a stop."""
+    the preceding controllers that a stop leaves without their following ones."""
     FORCE_AUTO = 4
-    """As auto, and also stop who holds resources that a start needs."""
+    """As auto, and also stop the controllers that hold resources that a start needs."""
 
     @classmethod
     def from_value(cls, value: int) -> "Strictness":
@@ -42,7 +42,7 @@ class Strictness(Enum):
 
     @property
     def follows_chains(self) -> bool:
-        """True if controllers are added to a request that its chains need."""
+        """True if controllers that its chains need are added to a request."""
         return self in {Strictness.AUTO, Strictness.FORCE_AUTO}
 
 
@@ -54,9 +54,9 @@ class SwitchOutcome(Enum):
     """The outcomes of a switch; see `switch_transaction.py`."""
 
     COMMITTED = "committed"
-    """What could be done was done; `failed` says what could not."""
+    """What could be done was done; `failed` gives the reasons for the rest."""
     ROLLED_BACK = "rolled_back"
-    """What ran before runs again, in the modes of before."""
+    """The controllers that ran before run again, in the same modes."""
     HALTED = "halted"
     """Controllers of the switch were stopped and their resources rest, because the
     hardware carried out neither the switch nor its reversal."""
@@ -69,13 +69,13 @@ class SwitchRequest:
     Attributes:
         start: Names to start; started in this order.
         stop: Names to stop; stopped in this order.
-        strictness: Treatment of a request of which only a part is possible.
+        strictness: Treatment of a request that is only possible in part.
         start_asap: Start each controller as soon as the hardware is ready for it,
             instead of all when it is ready for all.
         timeout: How long the hardware may take [s station time], >= 0; 0 for as long
             as it takes, up to `bound`.
-        bound: How long a switch without a timeout may take [s wall time], > 0. None
-            for as long as the hardware takes, as in ros_control.
+        bound: How long a switch without a timeout may take [s wall time], > 0; None for
+            no limit, as in ros_control.
         dry_run: Only return the plan.
         zero_period: Update each started controller once with a period of zero, in the
             cycle in which it is started, as after a recovery.
@@ -98,14 +98,14 @@ class SwitchPlan:
     """The effect that a switch will have.
 
     Attributes:
-        start_requests: Names to start in the order of the request (CM-51: a name may
-            be there twice).
+        start_requests: Names to start in the order of the request, where a name may be
+            repeated (CM-51).
         stop_requests: Names to stop in the order of the request.
         start: Controllers that are not running and will be, in load order.
         stop: Controllers that are running and will not be, in load order.
         running: Controllers that run after the switch, in the order of their updates.
         ignored: Why parts of the request were left out; best effort only.
-        chained: Names of those that are in chained mode after the switch.
+        chained: Names of controllers that are in chained mode after the switch.
     """
 
     start_requests: tuple[str, ...]
@@ -122,18 +122,17 @@ class SwitchResult:
     """The effect of a switch, or with `dry_run` the effect that it would have.
 
     Attributes:
-        ok: Whether every controller of the plan runs, or has stopped, as planned, and
-            the hardware with it.
+        ok: Whether the controllers and the hardware are as the plan says.
         started: Names that were started and run, in load order.
         stopped: Names that were stopped and do not run, in load order.
         outcome: How the switch ended.
-        failed: Reason why a controller is not as requested, and why one that
-            ran before does not run again, by name.
-        jump: Distance of the first commands from the last ones, by
-            resource, in the unit of the command.
+        failed: By name, why a controller is not as requested, or why one that ran
+            before does not run again.
+        jump: By resource, the distance of its first command from the last one, in the
+            unit of the command.
         cycle: Cycle in which it was finished; 0 for a dry run.
         plan: The plan.
-        dry_run: Nothing was done.
+        dry_run: Whether nothing was done.
     """
 
     ok: bool
@@ -153,9 +152,9 @@ class Candidate(NamedTuple):
     info: ControllerInfo
     state: ControllerState
     is_unreleased: bool = False
-    """Whether the robot has not confirmed that it has stopped."""
+    """Whether the robot has not confirmed that the controller has stopped."""
     following: tuple[str, ...] = ()
-    """Names of the controllers whose references it commands."""
+    """Names of the controllers whose references this controller commands."""
 
 
 class _Draft:
@@ -171,16 +170,16 @@ class _Draft:
     def object_to(
         self, name: str, problem: str, remedy: str, add: Sequence[str] = ()
     ) -> None:
-        """Refuse when strict, else note that this part is left out.
+        """Refuse if strict; otherwise note that this part is left out.
 
         Args:
             name: The controller.
             problem: The impossible part of the request.
             remedy: Advice for the caller.
-            add: Names that would make it possible.
+            add: Names that would make it possible if they were added.
 
         Raises:
-            SwitchRefusedError: Strict.
+            SwitchRefusedError: The plan is strict.
         """
         message = f"Controller '{name}' {problem}."
         if self.strict:
@@ -199,8 +198,9 @@ def plan_switch(loaded: Sequence[Candidate], request: SwitchRequest) -> SwitchPl
         request: Request of the caller.
 
     Raises:
-        SwitchRefusedError: Strict, and a part is impossible (CM-40 … CM-43, CM-50); or
-            a running controller is to be stopped and started at once (CM-49).
+        SwitchRefusedError: The request is strict and a part of it is impossible
+            (CM-40 … CM-43, CM-50); or a running controller is to be both stopped
+            and started (CM-49).
     """
     draft = _Draft(strict=request.strictness is not Strictness.BEST_EFFORT)
     names = [candidate.info.name for candidate in loaded]
@@ -235,7 +235,7 @@ def _add_to_chains(
 ) -> None:
     """Add following controllers to `start`, and preceding ones to `stop`.
 
-    A controller that the request names in both is left for the caller to see.
+    A controller that the request names in both lists stays in both.
     """
     # Preceding controllers come first in the list, so one pass in each direction
     # follows a chain to its end.
@@ -259,13 +259,13 @@ def _add_to_chains(
 def _check_chains(
     draft: _Draft, loaded: Sequence[Candidate], start: list[str], stop: list[str]
 ) -> None:
-    """Leave out controllers that would run without the one that they command.
+    """Leave out controllers that would run without their following controllers.
 
     Raises:
-        SwitchRefusedError: Strict, and there is one.
+        SwitchRefusedError: There is such a controller, and the plan is strict.
     """
     by_name = {one.info.name: one for one in loaded}
-    # From the hardware upwards: what is left out may leave out more.
+    # From the hardware upwards: leaving one out may leave out those above it.
     for one in reversed(loaded):
         name = one.info.name
         missing = [
@@ -306,7 +306,7 @@ def _followers(
     start: Sequence[str],
     stop: Sequence[str],
 ) -> list[str]:
-    """Return all controllers down the chain that would not run, each once."""
+    """Return the controllers that `one` needs down its chain and that would not run."""
     found: dict[str, None] = {}
     for name in one.following:
         each = by_name[name]
@@ -319,7 +319,7 @@ def _followers(
 def _preceding(
     loaded: Sequence[Candidate], names: Sequence[str], stop: Sequence[str]
 ) -> list[str]:
-    """Return all controllers up the chain that would run on, preceding ones first."""
+    """Return the running controllers above some names, preceding ones first."""
     above = set(names)
     found: list[str] = []
     for one in reversed(loaded):
@@ -333,7 +333,7 @@ def _preceding(
 def _keep_running(
     by_name: dict[str, Candidate], one: Candidate, stop: list[str]
 ) -> None:
-    """Take everything down the chain out of `stop`."""
+    """Take all controllers down the chain of `one` out of `stop`."""
     for name in one.following:
         stop[:] = [each for each in stop if each != name]
         _keep_running(by_name, by_name[name], stop)
@@ -399,10 +399,10 @@ def conflict_error(
 ) -> ResourceConflictError:
     """Return the error that names the controllers and the disputed resources.
 
-    `details["conflicts"]` has one entry per resource: `resource`, `reason`,
-    `claimed_by` (controller and hardware interface of each), `held_by` (the running
-    one among them or None) and its `hardware_interface`; `details["held_by"]` lists
-    all running controllers that are in the way.
+    `details["conflicts"]` has one entry per resource: `resource`; `reason`;
+    `claimed_by`, the controllers and their hardware interfaces; `held_by`, the running
+    controller among them or None; and the `hardware_interface` of that one.
+    `details["held_by"]` lists all running controllers that are in the way.
 
     Args:
         conflicts: Objections of the hardware, at least one.
@@ -422,7 +422,7 @@ def conflict_error(
 
 
 def _summary(conflicts: Sequence[ResourceConflict]) -> str:
-    """Return the reason of each group of holders, with all resources it is about."""
+    """Return the reason of each group of holders, and the other resources it is for."""
     groups: dict[tuple[tuple[str, str], ...], list[ResourceConflict]] = {}
     for conflict in conflicts:
         groups.setdefault(conflict.holders, []).append(conflict)

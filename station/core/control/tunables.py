@@ -23,7 +23,7 @@ class Tunable:
     description: str = ""
 
     def including(self, value: float) -> "Tunable":
-        """Return the same with a range that includes a configured value."""
+        """Return this description, with the range extended to a configured value."""
         least, most = min(self.minimum, value), max(self.maximum, value)
         return replace(self, minimum=least, maximum=most)
 
@@ -62,8 +62,8 @@ class Tunables:
     Attributes:
         schema: Unit and range by name.
         values: The values in force by name. A change replaces the mapping as a whole.
-        when_idle: Calls a function once no update is under way; at once, unless the
-            controller is asynchronous.
+        when_idle: Calls a function as soon as no update is under way: immediately,
+            unless the controller is asynchronous.
 
     Raises:
         ValueError: `schema` and `values` have different names.
@@ -80,7 +80,7 @@ class Tunables:
     ) -> None:
         self.schema: dict[str, Tunable] = dict(schema or {})
         self.values: dict[str, float] = dict(values or {})
-        # What waits for the end of an update.
+        # The set that waits for the end of an update.
         self._waiting: dict[str, float] | None = None
         if set(self.schema) != set(self.values):
             raise ValueError(
@@ -94,7 +94,7 @@ class Tunables:
 
     @classmethod
     def joined(cls, *parts: "Tunables") -> "Tunables":
-        """Return the run-time parameters of all parts under one roof.
+        """Return one object with the run-time parameters of all parts.
 
         Args:
             parts: Run-time parameters with different names. A change of the result is
@@ -152,7 +152,7 @@ class Tunables:
         """Refuse a complete set whose values do not fit together.
 
         Args:
-            values: A value in its range for every name, and perhaps more names.
+            values: A value in its range for every name; other names are ignored.
 
         Raises:
             InvalidGainError: The values do not fit together.
@@ -164,7 +164,7 @@ class Tunables:
         """Return a sentence about each value of a complete set that has no effect.
 
         Args:
-            values: A value for every name, and perhaps more names.
+            values: A value for every name; other names are ignored.
         """
         return [] if self._notes is None else self._notes(values)
 
@@ -189,7 +189,7 @@ class Tunables:
             return f"is unknown. {suggest(name, self.schema).rstrip('.')}"
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             return f"is {value!r}; it must be a number"
-        # Written as a chain, so that NaN is refused, too.
+        # One chained comparison, so that NaN is refused, too.
         if not tunable.minimum <= value <= tunable.maximum:
             unit = f" {tunable.unit}" if tunable.unit else ""
             return (
