@@ -1,6 +1,6 @@
 """One cycle of the control loop: waiting operations, read, update, write.
 
-The order of a cycle, also while time stands still, is here alone; the loop
+This module alone fixes the order of a cycle, also while time stands still; the loop
 decides when a cycle begins.
 """
 
@@ -43,10 +43,10 @@ class ControlCycle:
     Attributes:
         time: Station time [s].
         cycle: Number of the last cycle.
-        epoch: Number that commands must not be older than.
+        epoch: The station's epoch; commands of an older epoch are void.
         longest_period: Longest period of a cycle [s].
-        late_cycles: By how many periods the next cycle is to begin late.
-        taps: Taps that sample every cycle now; replaced as a whole.
+        late_cycles: Number of periods by which the next cycle is to be late.
+        taps: The open taps; the tuple is replaced as a whole.
     """
 
     def __init__(
@@ -84,24 +84,24 @@ class ControlCycle:
         self.cycle = 0
         self.epoch = 1
         world = hw.simulated_world()
-        # How long a world waits is settled when the robot is initialised; while others
-        # command it, who serves them sets this.
+        # The longest period of a simulated world is known once it is initialised. While
+        # other programs command the robot, their server changes this.
         self.longest_period = _INF if world is None else world.longest_period()
         self.late_cycles = 0
         if not cython.compiled and self.now is None and self.virtual is None:
-            # The same, without two calls of Python around it, four times a cycle.
+            # The same time without two calls in Python, four times per cycle.
             self.wall_time = wall_time  # type: ignore[method-assign]
 
     def run_cycles(self, cycles: int, period: float, tick: float = 0.0) -> int:
         """Run some cycles, fewer if one of them is to begin late.
 
         Args:
-            cycles: How many.
+            cycles: Number of cycles.
             period: Time since the last cycle, in each of them [s].
-            tick: By how much virtual time passes before each of them [s].
+            tick: Advance of virtual time before each of them [s].
 
         Returns:
-            How many were run.
+            Number of cycles that were run.
         """
         done = 0
         while done < cycles and not self.late_cycles:
@@ -117,31 +117,31 @@ class ControlCycle:
         Args:
             period: Time since the last cycle [s]; at most `longest_period` counts.
         """
-        # A simulated world goes on by itself for so long only; station time must not
-        # run ahead of it.
+        # A simulated world advances by this much at most; station time must not run
+        # ahead of it.
         if period > self.longest_period:
             period = self.longest_period
         time = self.time + period
         self.time = time
         self.cycle += 1
-        # Before the read, so that an operation sees the state of the last cycle whole.
+        # Before the read, so that an operation sees one whole state, of the last cycle.
         if self.waiting or self.latch_flag[0]:
             self.carry_out_requests()
-        # Taken first: an interpreter finds what an object has in the place of a method
-        # sooner as an attribute.
+        # Looked up first: the interpreter finds an instance's attribute sooner than a
+        # method.
         read_robot, write_robot = self.hw.read, self.hw.write
         begun = self.wall_time()
         read_robot(time, period)
         read = self.wall_time()
         self.controllers.update_controllers(time, period)
         if self.stop_flags[0]:
-            # A controller that held the thread up has just returned. What it wrote must
+            # A controller that blocked the thread has just returned. Its commands must
             # not reach the robot, so the stop is carried out before the write.
             self.obey_watchdog()
         updated = self.wall_time()
         write_robot(time, period)
         self.times.add(begun, read, updated, self.wall_time())
-        # After the write: a snapshot has what the robot got.
+        # After the write, so that a snapshot has the commands that the robot received.
         self.leave_row(period)
 
     def run_standstill(self) -> None:
@@ -154,8 +154,8 @@ class ControlCycle:
             self.obey_watchdog()
             changed = True
         else:
-            # An operation in a pause may have moved the world, so the state is read and
-            # shown.
+            # An operation in a pause may have moved the simulated world, so the robot
+            # is read and a snapshot left.
             changed = self.carry_out_requests()
         if self.controllers.advance_switch(self.time) or changed:
             self.cycle += 1
@@ -169,7 +169,7 @@ class ControlCycle:
         return wall_time() if self.now is None else self.now()
 
     def leave_row(self, period: float) -> None:
-        """Leave a row of the cycle for readers in other threads."""
+        """Leave the row of a cycle in the ring, for readers in other threads."""
         cycle, epoch, time = self.cycle, self.epoch, self.time
         if self.refresh_joints is not None:
             self.refresh_joints()
@@ -193,13 +193,13 @@ class ControlCycle:
             failure: Why the loop died, if it did.
         """
         why = self.stop_latch.reason or failure or "no reason given"
-        # Before the controllers stop: what arrives from now on belongs to the new
-        # epoch.
+        # Before the controllers stop: a command that arrives from now on belongs to the
+        # new epoch.
         self.next_epoch(f"The station was stopped: {why.rstrip('.')}.")
         self.manager.stop_all(self.time)
         if self.stop_latch.pending:
-            # A death of the loop stops all controllers, too, without anybody having
-            # engaged the latch.
+            # When the loop dies all controllers stop, too, although the latch is not
+            # engaged.
             self.stop_latch.carried_out(self.cycle)
 
     def obey_watchdog(self) -> None:
@@ -212,11 +212,11 @@ class ControlCycle:
         """Make everything commanded so far void; control thread or between cycles.
 
         Args:
-            reason: Why, one sentence; the goals and gripper motions that end say it.
+            reason: Why, in one sentence; goals and gripper motions end with it.
         """
         self.epoch += 1
         self.controllers.lifecycle.void_commands(reason)
-        # They run in threads of their own and may be in the middle of a motion.
+        # Gripper motions run in threads of their own, so they are interrupted here.
         for services in self.interruptible:
             services.interrupt(reason)
         return self.epoch
@@ -224,7 +224,7 @@ class ControlCycle:
     def begin_anew(self) -> None:
         """Void all commands and restart the running controllers in the next cycle.
 
-        For a world that was put somewhere else; control thread or between cycles.
+        Called when a simulated world was reset; control thread or between cycles.
         """
         self.next_epoch("A reset put the simulated world back to its start.")
         self.controllers.resets = True

@@ -1,14 +1,14 @@
 """The loop: read, update, write, at a fixed rate in a thread, or step by step.
 
-Deadlines are absolute. A deadline that has passed when the thread wakes is skipped,
-never made up for: the next cycle gets the longer `period`, which is the scheduled time
-since the last cycle and so a multiple of the nominal period, up to what the robot
-waits for. A robot with a clock of its own (`RobotHW.robot_clock`) paces the thread
-instead: a cycle begins when its state has arrived.
+Deadlines are absolute. A deadline that has passed when the thread wakes is skipped, and
+its cycle is not made up for. Instead the next cycle gets a longer `period`: the
+scheduled time since the last cycle, which is a multiple of the nominal period, up to
+the longest one that the robot allows. A robot with a clock of its own
+(`RobotHW.robot_clock`) paces the thread instead: a cycle begins when its state arrives.
 
-While it is paused the thread goes on waking: posted operations, the stop and switches
-are carried out, the robot is not written to and no controller is updated. A long wait
-for the next deadline is slept in slices, so that none of these has to wait for it.
+During a pause the thread keeps waking up: it carries out operations, the stop and
+switches, but does not write to the robot or update controllers. It sleeps until a far
+deadline in slices, so that requests do not have to wait for the deadline.
 """
 
 import threading
@@ -42,13 +42,13 @@ from station.reports import LoopReport, LoopState
 
 
 class LoopMeter:
-    """Takes the times of a cycle; no allocation. The control thread measures.
+    """Measures the times of cycles, without allocation; the control thread calls it.
 
     Args:
         clock: Wall time.
 
     Attributes:
-        times: Takes the durations of every cycle.
+        times: Durations of the cycles.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -65,11 +65,11 @@ class LoopMeter:
         return self._skipped
 
     def reset(self) -> None:
-        """Start anew."""
+        """Start the statistics anew."""
         self._lateness.reset()
         self.times.reset()
         self._since = self.times.last = self._clock.now()
-        # The total goes on: others count with it.
+        # The total is kept, because others count with it.
         self._skipped_before = self._skipped
 
     def woke(self, lateness: float, skipped: int) -> None:
@@ -78,7 +78,7 @@ class LoopMeter:
         self._skipped += skipped
 
     def idled(self) -> None:
-        """Note that the thread woke while time stands still: it counts for nothing."""
+        """Note that the thread woke while time stands still; it counts for nothing."""
         now = self._clock.now()
         # Time in a pause must not lower the achieved rate.
         self._since += now - self.times.last
@@ -133,8 +133,8 @@ T = TypeVar("T")
 SLICE = 0.005
 """Longest sleep of the control thread [s wall time].
 
-It decides how long a stop, a switch or an operation waits at a small real-time factor.
-Sleeping in slices needs no lock; an event or a condition to wake the thread has one."""
+It bounds how long a stop, a switch or an operation waits at a small real-time factor.
+Sleeping in slices needs no lock; an event or a condition to wake the thread would."""
 
 
 class ControlLoop:
@@ -149,17 +149,17 @@ class ControlLoop:
         clock: Wall time.
         period: Nominal period [s], > 0.
         real_time_factor: Station time over wall time of the thread, 0.01 to 100.
-        update_budget: How long an update of one controller may take in the thread
-            [s wall time], > 0; `period` when None, infinite for no budget.
+        update_budget: How long an update of one controller may take in the thread [s
+            wall time], > 0; None for `period`, infinite for no budget.
         snapshots: Ring that receives a snapshot in every cycle.
-        heartbeat: The page shared with a watchdog; one of this process only when None.
+        heartbeat: The page shared with a watchdog; None for a page of this process.
 
     Attributes:
         control_cycle: Runs the cycles, and operations between them.
         stop_latch: The latched stop; carried out between two cycles.
-        pace: Whether time passes in the thread, and how fast.
-        heartbeat: Page that has the time of every wake-up, and in which a
-            watchdog asks for a stop.
+        pace: Whether and how fast station time passes in the thread.
+        heartbeat: Page with the time of every wake-up, in which a watchdog asks for a
+            stop.
         right_of_way: Tells other threads when to wait for the control thread.
 
     Raises:
@@ -193,7 +193,7 @@ class ControlLoop:
         self._update_budget = period if update_budget is None else update_budget
         self._meter = LoopMeter(clock)
         self._operations = Operations()
-        # Four columns for every joint, twice; what does not fit is kept as objects.
+        # Room for eight numbers per joint; larger samples are kept as objects.
         room = 64 + 8 * len(self._joints.names)
         self.snapshots.prepare(self._joints.blocks, room)
         self.control_cycle = ControlCycle(
@@ -230,7 +230,7 @@ class ControlLoop:
 
     @property
     def epoch(self) -> int:
-        """Number that commands must not be older than."""
+        """The station's epoch; commands of an older epoch are void."""
         return self.control_cycle.epoch
 
     @property
@@ -240,7 +240,7 @@ class ControlLoop:
 
     @property
     def skipped(self) -> int:
-        """Number of deadlines ever skipped; resets of the statistics do not matter."""
+        """Number of deadlines ever skipped; a reset does not change it."""
         return self._meter.total_skipped
 
     @property
@@ -263,7 +263,7 @@ class ControlLoop:
         # Before the thread runs: the watchdog must not take its start for a standstill.
         self.heartbeat.beats[0] = self.clock.now()
         self.heartbeat.life = LoopLife.RUNNING
-        # From here on the thread makes the cycles that a switch waits for.
+        # From here on the thread runs the cycles that a switch waits for.
         self.manager.pump = None
         self.manager.controller_update.update_budget = self._update_budget
         self._thread = threading.Thread(target=self._run, name="control", daemon=True)
@@ -294,8 +294,8 @@ class ControlLoop:
         """Run `cycles` cycles now, without waiting for the clock.
 
         Args:
-            cycles: How many.
-            tick: By how much a manual clock is advanced before each of them [s].
+            cycles: Number of cycles.
+            tick: Advance of a manual clock before each of them [s].
 
         Raises:
             LoopError: The thread runs.
@@ -315,16 +315,16 @@ class ControlLoop:
                 self.clock.advance(tick)
             late = self._take_late_cycles()
             self._meter.woke(late * self.period / self.pace.real_time_factor, late)
-            # A test's late cycle has the period that a late thread would have given it.
+            # A cycle that a test makes late has the period of a late thread's cycle.
             control_cycle.run_cycle((1 + late) * self.period)
 
     def wait_between_cycles(self) -> None:
-        """Wait until a cycle has just ended; at once when no thread makes cycles."""
+        """Wait until a cycle has just ended; return at once without a thread."""
         if self._thread is not None:
             self.right_of_way.wait_for_begun_cycle()
 
     def go_on_without_thread(self) -> bool:
-        """Be stepped from now on, in a copy of the process that lacks the thread.
+        """Continue by steps, in a copy of the process that lacks the thread.
 
         Returns:
             Whether no cycle was under way, so that the next one can follow.
@@ -345,25 +345,26 @@ class ControlLoop:
     ) -> T:
         """Run `action` in the control thread between two cycles; return its result.
 
-        At once when no thread runs, or when called from the control thread.
+        Runs it at once when no thread runs, or when called from the control thread.
 
         Args:
             action: Short, and must not wait for anything.
             timeout: How long to wait for it [s wall time].
-            moves: Refuse while the station is stopped.
+            moves: Whether the action can move the robot; it is then refused while the
+                station is stopped.
 
         Raises:
-            StoppedError: `action` can move the robot and the station is stopped.
-            LoopError: The loop died, or did not get to it in time; it will not be
-                run later.
+            StoppedError: `moves` is true and the station is stopped.
+            LoopError: The loop died, or did not run the action in time; it will not run
+                it later.
         """
         thread = self._thread
         # Checked again in the cycle: the stop may come between the request and the
         # operation.
         if moves:
             action = guarded(self.stop_latch.check, action)
-        # Without a thread the caller makes the cycles itself; within it, waiting would
-        # never end.
+        # Without a thread the caller makes the cycles itself. In the control thread,
+        # waiting would never end.
         if thread is None or thread is threading.current_thread():
             return action()
         operation = self._operations.post(action)
@@ -372,7 +373,7 @@ class ControlLoop:
         return operation.outcome(timeout, details)  # type: ignore[return-value]  # of this action
 
     def check_alive(self) -> None:
-        """Refuse when the loop died; nothing moves any more.
+        """Refuse if the loop has died, because nothing moves any more.
 
         Raises:
             LoopError: The loop has died; the message states the reason.
@@ -415,7 +416,7 @@ class ControlLoop:
         return self.clock.now() - self.heartbeat.beats[0]
 
     def failure_summary(self) -> str:
-        """Return the last line of the error that ended the thread, or ""."""
+        """Return the last line of the error that ended the thread; empty if none."""
         return self._failure.strip().rpartition("\n")[2]
 
     def _run(self) -> None:
@@ -426,8 +427,8 @@ class ControlLoop:
         except BaseException:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
             self._failure = trace_of_fault()
             self._state = LoopState.FAILED
-            # Before anything that can hang or raise: the watchdog then holds a real
-            # arm.
+            # First of all, before code that can hang or raise: the watchdog then makes
+            # a real arm hold.
             self.heartbeat.life = LoopLife.DIED
             self._end_what_ran()
         else:
@@ -438,7 +439,7 @@ class ControlLoop:
         try:
             self.control_cycle.carry_out_stop(self.failure_summary())
         except CONTAINED:
-            # The robot may be what failed. Both errors are needed to find out.
+            # The robot itself may have failed. Both errors are needed to see why.
             self._failure = f"{trace_of_fault()}\nAfter:\n{self._failure}"
         self._operations.give_up(self._death())
 
@@ -459,20 +460,20 @@ class ControlLoop:
             factor = pace.real_time_factor
             wall_period = self.period / factor
             let_others_in()
-            # A pause keeps them for the first cycle after it.
+            # During a pause, late cycles are kept for the first cycle after it.
             late = 0 if pace.paused else self._take_late_cycles()
             wake = deadline + late * wall_period
             # A long sleep would keep a stop waiting.
             if (1 + late) * wall_period > SLICE:
                 self._sleep_in_slices(wake)
                 if self._stopping or pace.real_time_factor != factor:
-                    # The deadline was computed with a factor that no longer holds.
+                    # The deadline was computed with the factor of before.
                     deadline = self.clock.now() + self.period / pace.real_time_factor
                     continue
             else:
                 self.clock.sleep_until(wake)
             keep_interpreter()
-            # Read once: the beat and the lateness are of the same moment.
+            # Read once, so that the beat and the lateness are of the same moment.
             now = self.clock.now()
             beats[0] = now
             lateness = now - deadline
@@ -483,13 +484,13 @@ class ControlLoop:
                 self.control_cycle.run_standstill()
                 self._meter.idled()
             elif pace.paused:
-                # A step is a step, however late.
+                # A step has the nominal period, however late it is.
                 self.control_cycle.run_cycle(self.period)
             else:
                 self._meter.woke(lateness, skipped)
                 self.control_cycle.run_cycle((1 + skipped) * self.period)
-            # Added up rather than computed from now, so that lateness does not shift
-            # all later cycles.
+            # Counted from the deadline rather than from now, so that one late cycle
+            # does not shift all later ones.
             deadline += (1 + skipped) * wall_period
 
     def _run_at_the_pace_of(self, robot: RobotClock) -> None:
@@ -506,8 +507,8 @@ class ControlLoop:
             beats[0] = now
             keep_interpreter()
             if elapsed:
-                # The robot counts its cycles, so only what is beyond them is the
-                # machine's doing.
+                # `elapsed` has the cycles that the robot counted; only the rest of the
+                # time is due to the machine.
                 lateness = now - last - elapsed * self.period
                 self._meter.woke(max(0.0, lateness), elapsed - 1)
                 last = now
@@ -525,7 +526,7 @@ class ControlLoop:
             self.heartbeat.beats[0] = now
             if factor < 1.0:
                 # Only a simulated world is slowed down, and stands still between its
-                # cycles. A real robot is read once per cycle, at whatever rate.
+                # cycles. A real robot is read once per cycle at any rate.
                 self.control_cycle.run_standstill()
             if pace.real_time_factor != factor:
                 return

@@ -1,4 +1,4 @@
-"""A sample in every cycle, for as long as it has a reader."""
+"""Taps: samples of every cycle, taken while a reader wants them."""
 
 import threading
 from collections.abc import Callable
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 SampleT = TypeVar("SampleT")
 
 CAPACITY = 4096
-"""Samples that are kept, as many as the ring has snapshots; about 4 s at 1 kHz."""
-# For those that open and close; the control thread reads the tuple as it is.
+"""Number of samples that are kept, as the ring keeps snapshots; about 4 s at 1 kHz."""
+# Taken to open and to close a tap; the control thread reads the tuple without it.
 _changes = threading.Lock()
 
 
@@ -38,17 +38,17 @@ class TappedCycle(NamedTuple, Generic[SampleT]):
 class CycleTap(Generic[SampleT]):
     """Samples in the control thread at the end of every cycle while it is open.
 
-    What every cycle leaves in any case is in the ring of snapshots. A tap is for what
-    costs too much to be kept without a reader, such as the whole state of an arm.
+    The ring of snapshots has the values that every cycle leaves in any case. A tap is
+    for values that cost too much to be kept without a reader, such as an arm's state.
 
     Args:
         loop: The loop.
-        sample: Returns the kept values of a cycle; must not wait; no reader may change
-            what it returned.
+        sample: Returns the values of a cycle to keep; must not wait. No reader may
+            change the returned object.
 
     Attributes:
-        failure: Error that `sample` raised; no cycle is sampled after it. None if it
-            did not raise.
+        failure: Error that `sample` raised; no cycle is sampled after it. None without
+            an error.
     """
 
     def __init__(self, loop: "ControlLoop", sample: Callable[[], SampleT]) -> None:
@@ -72,8 +72,7 @@ class CycleTap(Generic[SampleT]):
 
     def sample_cycle(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
         """Sample a cycle; control thread only."""
-        # A sample that raised once would raise in every cycle and make each of them
-        # late.
+        # If `sample` raised once it would raise in every cycle, and make each one late.
         if self.failure is not None:
             return
         try:
@@ -83,7 +82,7 @@ class CycleTap(Generic[SampleT]):
             return
         taken = TappedCycle(cycle, epoch, stamp, period, sample)
         self._slots[cycle % CAPACITY] = taken
-        # Last: readers take what is up to here for whole.
+        # Set last: readers take all samples up to this cycle as complete.
         self._newest = cycle
 
     def newest_cycle(self) -> int:
@@ -91,7 +90,7 @@ class CycleTap(Generic[SampleT]):
         return self._newest
 
     def read_since(self, cycle: int) -> tuple[list[TappedCycle[SampleT]], int]:
-        """Return the cycles after `cycle`, oldest first, and how many were lost.
+        """Return the sampled cycles after `cycle`, oldest first, and the number lost.
 
         Args:
             cycle: Number of the last cycle the reader has seen.

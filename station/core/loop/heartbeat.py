@@ -4,8 +4,8 @@ The loop stores the time of every wake-up and reads one byte per cycle. Nothing 
 takes a lock, so neither side can make the other one wait, and the page remains readable
 when the interpreter of the station no longer runs.
 
-This module is imported by the watchdog, whose process must stay small: standard library
-only, and little of it.
+The watchdog, whose process must stay small, imports this module: it uses only a few
+modules of the standard library.
 """
 
 import mmap
@@ -29,7 +29,7 @@ class Phase(IntEnum):
 
 
 class LoopLife(IntEnum):
-    """The control thread's state, as it reports it to the watchdog itself."""
+    """The state of the control thread, which it writes itself for the watchdog."""
 
     STOPPED = 0
     """There is no control thread."""
@@ -43,8 +43,8 @@ class Heartbeat:
     """The shared page: two times, four bytes, and the reason of a stop.
 
     Args:
-        memory: At least `PAGE_BYTES` writable bytes. Without a watchdog a page of the
-            process's own takes their place, so that the loop has one code path.
+        memory: At least `PAGE_BYTES` writable bytes. Without a watchdog, a page of this
+            process is used, so that the loop has only one code path.
 
     Attributes:
         beats: One number, the monotonic time of the loop's last wake-up [s]. Storing it
@@ -61,8 +61,7 @@ class Heartbeat:
     _ENDED = 3
 
     def __init__(self, memory: mmap.mmap | bytearray | None = None) -> None:
-        # Without shared memory there is no watchdog; the loop writes its beats all the
-        # same.
+        # Without shared memory there is no watchdog, but the loop writes its beats.
         view = memoryview(bytearray(PAGE_BYTES) if memory is None else memory)
         # Eight bytes at a multiple of eight are written at once, so another process
         # never reads half a time.
@@ -120,5 +119,5 @@ class Heartbeat:
         return bytes(self._reason).rstrip(b"\0").decode(errors="replace")
 
     def confirm_stop(self) -> None:
-        """Tell the watchdog that its stop was carried out; the loop's side."""
+        """Tell the watchdog that the loop has carried out its stop."""
         self.flags[self.STOP] = 0

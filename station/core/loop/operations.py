@@ -9,22 +9,22 @@ from station.core.errors import LoopError
 
 T = TypeVar("T")
 
-# Each may take a part of the period; more at a time would make a cycle late.
+# Each operation may take a part of the period; more of them would make a cycle late.
 OPERATIONS_PER_CYCLE = 4
-"""How many posted operations one cycle carries out; the rest wait for the next."""
+"""Number of posted operations that a cycle carries out; the rest wait for the next."""
 
 
 class Operation:
-    """An action between two cycles, and its outcome for the caller that waits.
+    """An action between two cycles, and its outcome for the waiting caller.
 
     Args:
         action: Short, and must not wait for anything.
 
     Attributes:
         result: Result of `action`.
-        error: Error of `action`, or why it will never run; None if neither.
-        abandoned: Whether its caller has stopped waiting; then it will not be run.
-        done: Released once `result` or `error` is there.
+        error: Error of `action`, or the reason why it will never run; None if neither.
+        abandoned: Whether its caller has stopped waiting; the action then does not run.
+        done: A lock that is released once `result` or `error` is set.
     """
 
     def __init__(self, action: Callable[[], object]) -> None:
@@ -50,13 +50,13 @@ class Operation:
 
         Args:
             timeout: How long to wait [s wall time].
-            details: About the loop, for the error.
+            details: Facts about the loop, for the error.
 
         Raises:
-            LoopError: It was not run in time, and will not be run later.
+            LoopError: The action was not run in time, and will not be run later.
         """
         if not self.done.acquire(timeout=timeout):
-            # A caller that got an error must not find it carried out later.
+            # A caller that got an error must not find the action carried out later.
             self.abandoned = True
             raise LoopError(
                 f"The control loop did not answer within {timeout} s.",
@@ -106,12 +106,12 @@ class Operations:
 
 
 def guarded(check: Callable[[], None], action: Callable[[], T]) -> Callable[[], T]:
-    """Return `action` behind a check that raises when the action is not allowed.
+    """Return a function that calls `check`, then returns the result of `action`.
 
-    The check comes when the action does, because a stop may come after the request.
+    The check is made just before the action, because a stop may come after the request.
 
     Args:
-        check: Raises, or returns.
+        check: Raises if the action is not allowed.
         action: Operation that follows the check.
     """
 

@@ -3,7 +3,7 @@
 from station.core.errors import ParameterError
 
 SLOWEST = 0.01
-"""Smallest real-time factor: a cycle of 1 ms then takes 0.1 s of wall time."""
+"""Smallest real-time factor; a cycle of 1 ms then takes 0.1 s of wall time."""
 FASTEST = 100.0
 """Largest real-time factor."""
 
@@ -16,8 +16,8 @@ class Pace:
 
     Attributes:
         real_time_factor: Station time over wall time.
-        paused: Whether time stands still, except for the steps asked for.
-        steps_due: Cycles still to be run while paused.
+        paused: Whether time stands still, except for requested steps.
+        steps_due: Number of requested cycles that are still to be run in the pause.
 
     Raises:
         ParameterError: The factor is out of range.
@@ -30,17 +30,17 @@ class Pace:
         self.steps_due = 0
 
     def passes(self) -> bool:
-        """Return whether the cycle that is due is to be run; counts a step down."""
+        """Return whether to run the cycle that is due; in a pause, use up a step."""
         if not self.paused:
             return True
         if self.steps_due == 0:
             return False
-        # A step is used up by the cycle that it permits.
+        # The cycle that a step permits uses the step up.
         self.steps_due -= 1
         return True
 
     def resume(self) -> None:
-        """Let time pass; steps that were asked for are part of it."""
+        """Let time pass; requested steps are dropped, as cycles run anyway."""
         self.paused = False
         self.steps_due = 0
 
@@ -48,7 +48,7 @@ class Pace:
 def check_real_time_factor(factor: float) -> None:
     """Refuse a real-time factor that is out of range.
 
-    Outside of the range a wall period overflows or lasts for minutes.
+    Outside the range a period of wall time overflows or lasts for minutes.
 
     Args:
         factor: Station time over wall time.

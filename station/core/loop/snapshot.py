@@ -21,16 +21,16 @@ from station.memory.doubles import Doubles, zeros
 from station.memory.vectors import copy_into
 
 HEAD = 4
-"""Numbers of a row before the states of the joints."""
+"""Count of the numbers in a row before the states of the joints."""
 _HEAD = HEAD
-# In the place of its station time it says that a controller has left no sample.
+# As the station time of a sample it says that the controller has left none.
 _NAN = float("nan")
 _RUNNING = ControllerState.RUNNING
 
 Layout = tuple[tuple[str, int, int, int], ...]
-"""Where the samples are in a row: name of the controller, index of the sample, how many
-doubles it has, and the length n of each of its first four columns. A sample begins with
-its station time, which the columns follow. The index is -1 if it is an object."""
+"""The place of each sample in a row: name of the controller, index of the sample, its
+number of doubles, and the length n of each of its first four columns. A sample is its
+station time, then its columns. The index is -1 for a sample that is an object."""
 
 
 class Snapshot(NamedTuple):
@@ -61,8 +61,8 @@ class Snapshot(NamedTuple):
 
 Samples = dict[str, ControllerSample | PackedColumns]
 Record = tuple[int, int, float, float, str, bytes, Samples]
-"""A cycle before its numbers are made lists: a snapshot whose joint states are the
-bytes of doubles, positions, velocities and efforts one after the other."""
+"""A snapshot whose joint states are still bytes of doubles: positions, velocities and
+efforts one after the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +70,12 @@ class Rows:
     """Cycles as the control thread has left them, k of them.
 
     Attributes:
-        numbers: Their rows, see `SnapshotRing`, shape (k, width).
-        states: How many of a row's numbers are states of joints, 3 n.
-        modes: The robot's mode in each.
-        layouts: Columns of the samples in each row.
-        objects: Samples that are objects, by name.
-        lost: How many cycles were overwritten before.
+        numbers: The rows, see `SnapshotRing`, shape (k, width).
+        states: Count of the numbers in a row that are states of joints, 3 n.
+        modes: The robot's mode in each cycle.
+        layouts: Places of the samples in each row.
+        objects: Samples that are objects, by name, in each cycle.
+        lost: Number of requested cycles that were already overwritten.
     """
 
     numbers: NDArray[np.float64]
@@ -90,15 +90,15 @@ class Rows:
 
     @property
     def newest(self) -> int:
-        """Number of the last cycle; there must be one."""
+        """Number of the last cycle; there must be at least one cycle."""
         return int(self.numbers[len(self) - 1, 0])
 
     def time_of(self, cycle: int) -> float:
         """Return the station time of `cycle` [s].
 
         Args:
-            cycle: Its number; the first cycle after it stands for a cycle that is
-                missing, the last one for a cycle to come.
+            cycle: Number of the cycle. For a missing cycle, the time of the first one
+                after it is returned; for a future cycle, that of the last one.
         """
         index = int(np.searchsorted(self.numbers[:, 0], cycle))
         return float(self.numbers[min(index, len(self) - 1), 2])
@@ -111,15 +111,15 @@ class Rows:
     def columns_of(self, controller: str, size: int) -> NDArray[np.float64]:
         """Return the first four columns of a controller's samples, shape (k, 4, n).
 
-        Cycles in which the controller did not run have NaN, and so have columns of
-        another length.
+        The columns are NaN in cycles in which the controller did not run, or in which
+        they have another length.
 
         Args:
             controller: Its name.
             size: Length n of each column.
         """
         found = np.full((len(self.layouts), 4 * size), np.nan)
-        # A layout holds until other controllers run.
+        # A layout stays the same until other controllers run.
         for _, group in groupby(range(len(found)), lambda k: id(self.layouts[k])):
             rows = list(group)
             for name, place, _, length in self.layouts[rows[0]]:
@@ -144,7 +144,7 @@ class Rows:
                 found[k] = np.frombuffer(memory)
 
     def record(self, index: int) -> Record:
-        """Return one of the cycles."""
+        """Return the record of the cycle at an index."""
         row = self.numbers[index]
         cycle, epoch, stamp, period = row[:HEAD].tolist()
         samples: Samples = {}
@@ -170,8 +170,8 @@ class SnapshotRing:
 
     The control thread leaves one row of doubles per cycle: number of the cycle, epoch,
     station time [s], period [s], then the states of the joints, then the samples of
-    controllers. A reader copies rows, and then looks whether the writer has overtaken
-    it: a row is whole if its first number is that of the cycle. So a reader either gets
+    controllers. A reader copies rows, then checks that the writer has not overtaken it:
+    a row is whole if its first number is that of the cycle. So a reader either gets
     every cycle or learns how many it lost.
 
     Args:
@@ -183,18 +183,18 @@ class SnapshotRing:
 
     def __init__(self, capacity: int = 4096) -> None:
         self.capacity = capacity
-        # The robot's mode, the layout and the samples that are objects of each row.
+        # For each row: the robot's mode, the layout, and the samples that are objects.
         self.modes: list[str] = [""] * capacity
         self.layouts: list[Layout] = [()] * capacity
         self.objects: list[dict[str, object] | None] = [None] * capacity
         self.prepare([], 0)
 
     def prepare(self, blocks: Sequence[Doubles], room: int) -> None:
-        """Forget all cycles, and make memory for others.
+        """Forget all cycles, and make memory for new ones.
 
         Args:
             blocks: Memory of the joints' states, one block after the other.
-            room: How many doubles samples may take.
+            room: Number of doubles for samples in a row.
         """
         self.blocks = [Column(values) for values in blocks]
         self.states = sum(len(values) for values in blocks)
@@ -226,14 +226,14 @@ class SnapshotRing:
             period: Time since the last cycle [s].
             mode: The robot's mode.
             running: The controllers that ran when the owners of commands were noted
-                last; another object when it was noted anew.
+                last. A new tuple means that the owners were noted anew.
         """
         if running is not self.running:
             self._lay_out(running)
         slot = cycle % self.capacity
         begin = slot * self.width
         rows = self.rows
-        rows[begin] = 0.0  # nobody takes the row for whole
+        rows[begin] = 0.0  # readers must not take the row for whole
         self.modes[slot] = mode
         rows[begin + 1] = epoch
         rows[begin + 2] = time
@@ -242,14 +242,14 @@ class SnapshotRing:
         for block in self.blocks:
             copy_into(rows, at, block.values, block.size)
             at += block.size
-        # Made only if needed: a cycle of packed samples allocates nothing.
+        # Made only if needed: a cycle with packed samples allocates nothing.
         objects: dict[str, object] | None = None
         for one in running:
             is_running = one.controller.state is _RUNNING
             sampled = one.sampled
             if sampled is not None and one.place >= 0:
                 copy_into(rows, at + one.place, sampled.row, sampled.width)
-                # It has stopped in this cycle; the bytes are those of the cycle before.
+                # If it stopped in this cycle, the bytes are those of the cycle before.
                 if not is_running:
                     rows[at + one.place] = _NAN
             elif is_running:
@@ -260,7 +260,7 @@ class SnapshotRing:
                     objects[one.info.name] = sample
         self.layouts[slot] = self.layout
         self.objects[slot] = objects
-        # The number last: it makes the row whole for readers.
+        # The number is written last: with it, readers take the row for whole.
         rows[begin] = cycle
         self.newest = cycle
 
@@ -271,7 +271,7 @@ class SnapshotRing:
         for one in running:
             one.place, width, size = -1, 0, 0
             sampled = one.sampled
-            # The width of a row is fixed. What does not fit is kept as an object.
+            # A row has a fixed width: samples that do not fit are kept as objects.
             if sampled is not None and at + sampled.width <= self.room:
                 one.place, width, size = at, sampled.width, sampled.size
                 at += width
@@ -280,15 +280,15 @@ class SnapshotRing:
 
     def latest(self) -> Snapshot | None:
         """Return the newest snapshot, None before the first cycle."""
-        # A reader that is slower than a turn of the ring tries again.
+        # The writer may overtake a reader that is slow; it then tries again.
         while newest := self.newest:
             found, _ = self.read_since(newest - 1)
-            if found:  # or it has been overwritten meanwhile
+            if found:  # otherwise it has been overwritten meanwhile
                 return found[len(found) - 1]
         return None
 
     def read_since(self, cycle: int) -> tuple[list[Snapshot], int]:
-        """Return the snapshots after `cycle`, oldest first, and how many were lost.
+        """Return the snapshots after `cycle`, oldest first, and the number lost.
 
         Args:
             cycle: Number of the last cycle the reader has seen; 0 for none.
@@ -319,7 +319,7 @@ class SnapshotRing:
         modes = [self.modes[slot] for slot in chosen]
         layouts = [self.layouts[slot] for slot in chosen]
         objects = [self.objects[slot] for slot in chosen]
-        # The rows last: what was overwritten meanwhile has another number.
+        # The rows are copied last: an overwritten row then shows another number.
         numbers = np.asarray(self.memory).reshape(capacity, -1)[slots]
         whole = numbers[:, 0] == wanted
         if not whole.all():

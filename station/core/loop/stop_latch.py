@@ -24,13 +24,13 @@ class StopLatch:
 
     Attributes:
         state: State of the latch.
-        flag: Not 0 while it is engaged, and not yet carried out by the loop.
+        flag: One byte, not 0 from `engage` until the loop has carried the stop out.
         reason: Why it was engaged last, for people.
         cycle: The cycle in which the last stop was carried out; 0 if none was.
     """
 
     def __init__(self) -> None:
-        # Memory: every cycle reads it.
+        # A byte of memory, because every cycle reads it.
         self.flag = bytearray(1)
         self.state = StopState.ARMED
         self.reason = ""
@@ -39,13 +39,13 @@ class StopLatch:
 
     @property
     def pending(self) -> bool:
-        """Return whether the stop is engaged, and not yet carried out by the loop."""
+        """Return whether the stop is engaged and the loop has yet to carry it out."""
         return self.flag[0] != 0
 
     def engage(self, reason: str) -> None:
         """Engage the stop; a second call changes only the reason."""
-        # Counted before the state changes, so that `_change` sees a stop that comes in
-        # between.
+        # Counted before the state changes, so that `_change` notices a stop that comes
+        # in between.
         self._engagements += 1
         self.reason = reason
         self.flag[0] = 1
@@ -65,7 +65,7 @@ class StopLatch:
         before = self._engagements
         if self.state is not StopState.STOPPED:
             return
-        # Released before it was carried out, the stop would have stopped nothing.
+        # A stop that is released before the loop carries it out would stop nothing.
         if self.pending:
             raise StoppedError(
                 f"The stop ({self.reason}) is not carried out yet.",
@@ -89,7 +89,7 @@ class StopLatch:
         self._change(StopState.ARMED, before)
 
     def _change(self, state: StopState, before: int) -> None:
-        # A stop may come at any point of this, from any thread; it wins.
+        # A stop may come from any thread at any point of this method; it wins.
         self.state = state
         if self._engagements != before:
             self.state = StopState.STOPPED
