@@ -16,10 +16,10 @@ def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointC
 
     Args:
         urdf: The robot.
-        base: Link that carries the chain; `frame` is below it, or below a link to which
-            it is fixed.
+        base: Link at which the chain begins; `frame` is below it, or below a link that
+            carries it by fixed joints only.
         frame: Link at the end of the chain.
-        joints: The joints whose positions are given, in their order.
+        joints: The joints whose positions the caller gives, in their order.
 
     Raises:
         ControllerLoadError: A link is unknown, no chain leads from one link to the
@@ -28,7 +28,7 @@ def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointC
     for link in (base, frame):
         if link not in urdf.links:
             _refuse(f"The robot has no link '{link}'.")
-    # The links to which the base is fixed, and the pose of each in the base.
+    # The links that carry the base by fixed joints, and the pose of each in the base.
     carriers, pose, link = {base: np.eye(4)}, np.eye(4), base
     while (above := urdf.joint_above(link)) and above.type is JointType.FIXED:
         pose = pose @ np.linalg.inv(_matrix(above.origin))
@@ -65,17 +65,18 @@ def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointC
 
 
 def ends_of_chain(urdf: Urdf, joints: Sequence[str]) -> tuple[str, str]:
-    """Return the links between which joints lie: that of the base, and that of the tip.
+    """Return the links at both ends of a chain of joints: its base and its tip.
 
-    The tip is the last link that is fixed below the last joint, or the one that is
-    called `tool0`, as ROS-Industrial does.
+    The tip is the last link that is fixed below the last joint. If there are several,
+    it is the link that is called `tool0`, as in ROS-Industrial.
 
     Args:
         urdf: The robot.
-        joints: The joints.
+        joints: The joints, in any order.
 
     Raises:
-        ControllerLoadError: They form no chain, or more than one link could be the tip.
+        ControllerLoadError: The joints form no chain, or several links could be
+            the tip.
     """
     moved = [urdf.joints[name] for name in joints if name in urdf.joints]
     carried = {joint.name: _joints_above(urdf, joint) for joint in moved}
@@ -96,7 +97,7 @@ def ends_of_chain(urdf: Urdf, joints: Sequence[str]) -> tuple[str, str]:
 
 
 def _joints_above(urdf: Urdf, joint: Joint) -> list[Joint]:
-    """Return a joint and all that carry it, towards the root."""
+    """Return a joint and all joints that carry it, towards the root."""
     found = [joint]
     while (above := urdf.joint_above(found[-1].parent)) is not None:
         found.append(above)

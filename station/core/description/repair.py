@@ -1,4 +1,4 @@
-"""A change that makes a robot description usable, and its words."""
+"""A change that makes a robot description usable, and the sentence that reports it."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -23,7 +23,7 @@ RepairKind = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """One difference of the simulated robot from its description.
+    """One difference between the simulated robot and its description.
 
     Attributes:
         kind: Kind of the changed element.
@@ -41,7 +41,7 @@ class Repair:
 
     @property
     def is_addition(self) -> bool:
-        """Return whether the URDF has no fault: it cannot state the added element."""
+        """Return whether the repair adds an element that a URDF cannot state."""
         return self.kind in {"armature", "gravity"}
 
     def sentence(self) -> str:

@@ -1,7 +1,7 @@
-"""The robot's URDF as controllers ask about it: joint by joint.
+"""The joints of the robot's URDF, one by one, as controllers ask for them.
 
-A joint is read when a controller asks for it, so that a document may leave out what no
-controller needs.
+A joint is read only when a controller asks for it, so that a document may lack elements
+that no controller needs.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class JointDescription:
 
     Attributes:
         name: The joint's name.
-        type: How the joint moves.
+        type: Type of the joint.
         lower: Lowest position [rad or m]; -inf where unlimited.
         upper: Highest position [rad or m]; inf where unlimited.
         velocity: Highest speed [rad/s or m/s], > 0; inf where unlimited.
@@ -88,7 +88,7 @@ class RobotDescription:
             kind,
             lower=-inf if limit.lower is None else limit.lower,
             upper=inf if limit.upper is None else limit.upper,
-            # 0 in a URDF stands for a joint that nobody limited.
+            # A limit of 0 in a URDF means that the velocity is not limited.
             velocity=limit.velocity or inf,
             effort=limit.effort or inf,
         )
@@ -98,7 +98,7 @@ class RobotDescription:
 
         Raises:
             RobotDescriptionError: There is no such joint, it has no soft limits, or a
-                number of them is wrong.
+                number in them is wrong.
         """
         soft = read_safety_controller(self._find(name))
         if soft is None:
@@ -110,7 +110,7 @@ class RobotDescription:
         return soft.soft_lower_limit, soft.soft_upper_limit
 
     def _find(self, name: str) -> ElementTree.Element:
-        # The reference of a controller, `controller/joint`, is described as the joint.
+        # A reference of a controller, `controller/joint`, is described as its joint.
         element = self._joints.get(name, self._joints.get(name.rpartition("/")[2]))
         if element is None:
             raise RobotDescriptionError(

@@ -1,7 +1,7 @@
 """Find a robot's URDF, its SRDF and the mesh files that the URDF names.
 
-The simulation and the dashboard both find them here, so that what is drawn is what is
-simulated.
+The simulation and the dashboard both find them here, so that the dashboard draws the
+robot that is simulated.
 """
 
 import importlib.metadata
@@ -18,15 +18,15 @@ from station.core.installation import install_command
 
 DISTRIBUTION = "example-robot-data"
 HOME_VARIABLE = "STATION_ROBOT_DATA"
-# Where the wheel of that distribution puts its data; relative to its install root.
+# Directory of the data in the wheel of example-robot-data, below its install root.
 _INSTALLED = "cmeel.prefix/share/example-robot-data"
 
 
 def data_directories() -> list[Path]:
     """Return the directories that hold `robots/`, the most complete one first.
 
-    All of them come with that package, 430 MB. The Panda alone can be fetched into the
-    user's own directory, in the same layout.
+    The package example-robot-data holds all robots, 430 MB. The Panda alone can be
+    fetched into the user's own directory, in the same layout.
     """
     installed = _installed_directory()
     candidates = [fetched_directory()]
@@ -77,7 +77,7 @@ class RobotFiles:
     """The files of one robot: a URDF that is well-formed XML, and its SRDF.
 
     Attributes:
-        reference: The reference they were found by, e.g. `example-robot-data:panda`.
+        reference: Name by which they were found, e.g. `example-robot-data:panda`.
         urdf_path: The URDF file, absolute.
         xml: The text of the URDF.
         srdf_path: The SRDF of the same robot, or None if there is none beside the URDF.
@@ -121,7 +121,7 @@ class RobotFiles:
             An existing file.
 
         Raises:
-            RobotDescriptionError: No such file, or a scheme that is not understood.
+            RobotDescriptionError: There is no such file, or the scheme is unknown.
         """
         for candidate in self._candidates(uri):
             if candidate.is_file():
@@ -194,7 +194,7 @@ def _robots_in(*directories: Path) -> dict[str, Path]:
     return by_name
 
 
-# To search all folders takes longer than to read a robot; a file once found stays.
+# Searching all folders takes longer than reading a robot, so the result is kept.
 _found_before = cache(_robots_in)
 
 
@@ -224,7 +224,7 @@ def _read(path: Path) -> tuple[str, str]:
     """
     try:
         size = path.stat().st_size
-        # Without a bound, the path of a film would be read into memory.
+        # Without a bound, a large file given by mistake would be read into memory.
         if size > _MAX_BYTES:
             raise RobotDescriptionError(
                 f"{path} has {size} bytes; a URDF may have {_MAX_BYTES}.",
@@ -257,8 +257,9 @@ def _read(path: Path) -> tuple[str, str]:
 def _find_srdf(urdf_path: Path, robot: str) -> Path | None:
     """Return the SRDF beside a URDF that is for a robot of that name.
 
-    The name inside of the file decides. Among several, and when no file has the robot's
-    name inside, it is the one with the longest name that the URDF's name begins with.
+    The robot's name inside an SRDF decides. If several files have that name inside, or
+    none has, the file is taken whose own name is the longest that the name of the URDF
+    begins with.
     """
     found: list[Path] = []
     for directory in (urdf_path.parent, urdf_path.parent.parent / "srdf"):
@@ -274,7 +275,7 @@ def _robot_name(srdf_path: Path) -> str:
     try:
         return parse_robot(srdf_path.read_text(encoding="utf-8")).get("name", "")
     except (OSError, RobotDescriptionError, UnicodeDecodeError):
-        return ""  # If it is chosen by its file name, its reader reports the reason.
+        return ""  # if it is chosen by its file name, its reader reports the reason
 
 
 def _package_roots(urdf_path: Path) -> list[Path]:

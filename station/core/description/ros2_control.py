@@ -30,9 +30,9 @@ class InterfaceTag:
 
     Attributes:
         name: Its name, e.g. `position`.
-        minimum: Smallest command in the unit of the interface; None without.
-        maximum: Largest command; None without.
-        initial_value: Value at the start; None without.
+        minimum: Smallest command in the unit of the interface; None if there is none.
+        maximum: Largest command; None if there is none.
+        initial_value: Value at the start; None if there is none.
         data_type: `double`, `bool`, or another type of numbers.
         is_limited: False if its limits are switched off.
     """
@@ -54,7 +54,7 @@ class ComponentTag:
         commands: Its command interfaces.
         states: Its state interfaces.
         parameters: Its `<param>` elements.
-        is_mimic: The attribute `mimic` of a joint; None without.
+        is_mimic: The attribute `mimic` of a joint; None without it.
     """
 
     name: str
@@ -64,7 +64,7 @@ class ComponentTag:
     is_mimic: bool | None = None
 
     def initial_value(self, interface: str) -> float | None:
-        """Return the initial value of a state interface; None without."""
+        """Return the initial value of a state interface; None if there is none."""
         for one in self.states:
             if one.name == interface:
                 return one.initial_value
@@ -84,8 +84,8 @@ class HardwareTag:
         sensors: Its sensors.
         gpios: Its general-purpose inputs and outputs.
         transmissions: Its `<transmission>` elements, in the form of ROS 2.
-        timing: How it is to be read and written otherwise than in every cycle: the
-            attributes that say so, and those of `<properties>`, by name.
+        timing: How it is read and written, if not in every cycle: the attributes that
+            say so, and those of `<properties>`, by name.
     """
 
     name: str
@@ -166,7 +166,7 @@ class _Reader:
                 rate = parse_decimal(value)
                 if rate is None or rate < 0.0:
                     self._refuse(f"has '{value}' for rw_rate; it must be 0 or more")
-                # The rate of the manager is 0.
+                # A rate of 0 means the rate of the manager.
                 found |= {key: value} if rate else {}
             elif key == "thread_priority":
                 found[key] = value

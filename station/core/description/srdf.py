@@ -1,4 +1,4 @@
-"""Read from an SRDF the pairs of links that may touch, and the poses with a name."""
+"""Read an SRDF: the pairs of links that may touch, and the named poses."""
 
 from math import isfinite
 from pathlib import Path
@@ -15,8 +15,8 @@ def disabled_collisions(srdf_path: Path | None) -> tuple[tuple[str, str], ...]:
         srdf_path: The file, or None for a robot without an SRDF, which has no pairs.
 
     Raises:
-        RobotDescriptionError: The file cannot be read, is not XML, or an element does
-            not name two links.
+        RobotDescriptionError: The file cannot be read or is not XML, or an element
+            does not name two links.
     """
     root = _read(srdf_path)
     if root is None:
@@ -36,15 +36,15 @@ def disabled_collisions(srdf_path: Path | None) -> tuple[tuple[str, str], ...]:
 def group_states(srdf_path: Path | None) -> dict[str, dict[str, float]]:
     """Return the poses of all `<group_state>` elements: positions by joint [rad or m].
 
-    States of the same name, which belong to different groups, are put together. Joints
-    with several degrees of freedom are left out.
+    Poses of the same name, for different groups of joints, are merged. Joints with
+    several degrees of freedom are left out.
 
     Args:
         srdf_path: The file, or None for a robot without an SRDF, which has no poses.
 
     Raises:
-        RobotDescriptionError: The file cannot be read, is not XML, or a position is no
-            finite number.
+        RobotDescriptionError: The file cannot be read or is not XML, or a position
+            is not a finite number.
     """
     root = _read(srdf_path)
     states: dict[str, dict[str, float]] = {}

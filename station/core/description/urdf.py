@@ -1,8 +1,8 @@
 """The model of a robot that a URDF describes: links, joints and their tree.
 
-Kept are the inertia and the collision shapes of links, and the origin, axis, limits,
+It holds the inertia and the collision shapes of links, and the origin, axis, limits,
 soft limits, friction and mimic rule of joints. Visual shapes are left to the program
-that draws the robot, `<transmission>` elements to
+that draws the robot, and `<transmission>` elements to
 `station.core.hardware.transmissions`. `station.core.description.urdf_parser` reads a
 document into this model.
 """
@@ -33,7 +33,7 @@ class JointType(Enum):
 
     @property
     def has_position_limits(self) -> bool:
-        """Return whether URDF's position limits count for joints of this type."""
+        """Return whether the position limits of a URDF apply to this type of joint."""
         return self is JointType.REVOLUTE or self is JointType.PRISMATIC
 
     @property
@@ -76,11 +76,11 @@ class Pose:
     def rpy(self) -> Vector3:
         """Return the angles [rad] about the fixed x, then y, then z axis.
 
-        At a pitch of a quarter turn the roll is 0: all of the turn is yaw.
+        At a pitch of a quarter turn the roll is 0, and the yaw contains both.
         """
         w, x, y, z = self.quaternion
         sine = 2.0 * (w * y - z * x)
-        # There both arguments of the other two angles vanish.
+        # At a quarter turn the arguments of roll and yaw are 0.
         if abs(sine) > 1.0 - 1e-9:
             return 0.0, copysign(pi / 2.0, sine), 2.0 * atan2(z, w)
         return (
@@ -97,16 +97,17 @@ class Pose:
         return Pose((-px, -py, -pz), turned.quaternion)
 
     def moved(self, step: "Pose", *, is_by_own_axes: bool) -> "Pose":
-        """Return this pose one step further.
+        """Return this pose moved by a step.
 
         Args:
             step: Translation, and rotation about the frame's origin.
-            is_by_own_axes: The axes of the step are this frame's, not the parent's.
+            is_by_own_axes: Whether the axes of the step are this frame's, rather than
+                the parent's.
         """
         place = self.compose(step) if is_by_own_axes else Pose(self.xyz).compose(step)
         first, then = self.quaternion, step.quaternion
         w, x, y, z = multiply(first, then) if is_by_own_axes else multiply(then, first)
-        length = hypot(w, x, y, z)  # many steps must not add up their rounding
+        length = hypot(w, x, y, z)  # so that rounding does not add up over many steps
         turned = (w / length, x / length, y / length, z / length)
         return Pose(place.xyz, turned)
 
@@ -140,9 +141,9 @@ class Inertial:
     """Mass properties of a link.
 
     Attributes:
-        mass: [kg], > 0.
+        mass: Mass [kg], > 0.
         origin: Frame at the centre of mass, in the link frame.
-        inertia: About the centre of mass, in the axes of `origin` [kg m^2]:
+        inertia: Inertia about the centre of mass, in the axes of `origin` [kg m^2]:
             ixx, iyy, izz, ixy, ixz, iyz.
     """
 
@@ -196,7 +197,7 @@ class Mimic:
     Attributes:
         joint: Name of the joint that is followed.
         multiplier: Factor of that joint's position.
-        offset: Added to the product [rad] or [m].
+        offset: Addition to the product [rad] or [m].
     """
 
     joint: str
@@ -245,15 +246,15 @@ class Joint:
 
     Attributes:
         name: Unique among the joints.
-        type: How it moves.
+        type: Type of the joint.
         parent: Name of the link on the base's side.
         child: Name of the link on the tool's side.
         origin: Child frame in the parent frame at position zero.
         axis: Unit vector in the child frame.
         limit: Its limits; None if it has no `<limit>`, which revolute and prismatic
             joints always have.
-        damping: [Nm s/rad] or [N s/m], >= 0.
-        friction: [Nm] or [N], >= 0.
+        damping: Damping [Nm s/rad] or [N s/m], >= 0.
+        friction: Friction [Nm] or [N], >= 0.
         mimic: The rule by which it follows another joint, or None.
         safety: Its soft limits, or None if it has no `<safety_controller>`.
     """
@@ -306,14 +307,14 @@ class Urdf:
         return self._above.get(link)
 
     def fixed_root(self, link: str) -> tuple[str, Pose]:
-        """Return the first link of the fixed joints above a link, and the pose in it.
+        """Return the link at the root of the fixed joints above a link, and the pose.
 
         Args:
             link: Name of a link.
 
         Returns:
-            The name of that link, which is `link` itself below a joint that moves, and
-            the pose of `link` in its frame.
+            The name of that root, which is `link` itself below a joint that moves, and
+            the pose of `link` in the frame of the root.
         """
         pose = Pose()
         joint = self.joint_above(link)

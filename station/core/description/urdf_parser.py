@@ -47,8 +47,8 @@ def read_joint_type(joint: Element) -> JointType:
 def read_joint_limit(joint: Element) -> JointLimit | None:
     """Return the numbers of a joint's `<limit>` element.
 
-    `effort` and `velocity` are required there; `lower` and `upper` are 0 if absent, and
-    count for revolute and prismatic joints only.
+    `effort` and `velocity` are required in it; `lower` and `upper` are 0 if absent, and
+    apply only to revolute and prismatic joints.
 
     Args:
         joint: The `<joint>` element of a URDF.
@@ -79,7 +79,7 @@ def read_joint_limit(joint: Element) -> JointLimit | None:
 def read_safety_controller(joint: Element) -> SafetyController | None:
     """Return the numbers of a joint's `<safety_controller>` element.
 
-    `k_velocity` is required there; every other number is 0 if absent.
+    `k_velocity` is required in it; every other number is 0 if absent.
 
     Args:
         joint: The `<joint>` element of a URDF.
@@ -138,11 +138,10 @@ def parse_urdf(
 
     Args:
         xml: The URDF document.
-        source: Source of the document, such as a file name; messages begin with
-            it.
+        source: Source of the document, such as a file name, with which messages begin.
         find_mesh: Turns the `filename` of a collision mesh into a path, and raises
             `RobotDescriptionError` if there is no such file. By default the path is
-            taken as it is written, whether the file exists or not.
+            taken as written, and the file need not exist.
 
     Returns:
         The robot; every number in it is finite, and its links form one tree.
@@ -311,7 +310,7 @@ def _find_root(links: dict[str, Link], joints: dict[str, Joint]) -> str:
 
 
 def _check_mimic(what: str, mimic: Mimic | None, joints: dict[str, Joint]) -> None:
-    # A chain of mimic joints could close into a circle, and nothing would move it.
+    # A chain of mimic joints could close into a loop that no joint drives.
     if mimic is not None and (
         mimic.joint not in joints or joints[mimic.joint].mimic is not None
     ):
@@ -326,7 +325,7 @@ def _check_connected(
         children_of.setdefault(joint.parent, []).append(joint.child)
     reached = {root}
     frontier = [root]
-    # Readers of the tree recurse into it; an endless row would exhaust their stack.
+    # Readers of the tree recurse into it, so a very long chain would exhaust the stack.
     for _ in range(_MOST_JOINTS_IN_A_ROW):
         frontier = [c for link in frontier for c in children_of.get(link, ())]
         reached.update(frontier)

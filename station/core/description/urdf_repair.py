@@ -1,8 +1,8 @@
-"""Make the joints and inertials of other people's URDFs readable, and say how.
+"""Make joints and inertials of foreign URDFs readable, and report each change.
 
-Source: MuJoCo's URDF reader for which of these descriptions are usable; differs: every
-change is reported with the old and the new value, and a joint whose range is 0 to 0 is
-locked unless it is asked to be free.
+Source: MuJoCo's URDF reader decides which of these descriptions are usable; differs:
+every change is reported with the old and the new value, and a joint with the range 0 to
+0 is locked unless the caller asks to free it.
 """
 
 from dataclasses import dataclass, field
@@ -13,16 +13,16 @@ from station.core.description.repair import Repair, RepairKind
 from station.core.description.urdf_text import parse_decimal, parse_robot
 
 ZeroRange = Literal["lock", "free"]
-"""What becomes of a joint whose range is 0 to 0."""
+"""Treatment of a joint whose range is 0 to 0."""
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _LIMITED = {"revolute", "prismatic"}
 _SLACK = 1e-6
-"""How far a follower's range may end before its leader's, as a share of the latter: the
-last decimals of a conversion."""
+"""Allowed difference between the range of a mimic joint and that of its leader, as a
+share of the latter: conversions lose the last decimals."""
 _OUT_OF_REACH = 1000.0
-"""End of a range that no slide reaches [m]."""
+"""End of a range that no prismatic joint reaches [m]."""
 WORLD = "world"
-"""The simulator's own name for what everything stands in."""
+"""Name of the simulator's own root body."""
 
 
 def repair_urdf(
@@ -36,7 +36,7 @@ def repair_urdf(
         base: How the root link is held: `fixed`, `floating` or `planar`.
 
     Returns:
-        The document and the repairs; the same text when there is nothing to repair.
+        The document and the repairs; the same text if there is nothing to repair.
 
     Raises:
         RobotDescriptionError: The document is not a URDF.
@@ -111,14 +111,14 @@ class _Repairs:
                 joint.set("type", "continuous")
                 new = "free"
             else:
-                # A slide has no type without a range; 1 km is out of reach.
+                # A prismatic joint needs a range; 1 km is out of reach.
                 _set_range(limit, -_OUT_OF_REACH, _OUT_OF_REACH)
                 new = "-1000 to 1000"
             name = joint.get("name", "")
             self._add("range", f"joint '{name}'", "its range is empty", "0 to 0", new)
 
     def repair_mimics(self) -> None:
-        """Drop the mimic rules of missing joints; follow chains to their leader."""
+        """Drop mimic rules of missing joints; let a chain follow its last leader."""
         joints = {joint.get("name", ""): joint for joint in self.robot.findall("joint")}
         for name, joint in joints.items():
             rule = joint.find("mimic")
@@ -145,7 +145,7 @@ class _Repairs:
     ) -> None:
         """Let the ranges of a mimic joint and its leader allow the same motion."""
         own, limit = _range(joint), joint.find("limit")
-        # Of an inverted range nobody knows what was meant.
+        # An inverted range cannot be repaired, because its meaning is unknown.
         if own is None or limit is None or own[0] > own[1] or rule[0] == 0.0:
             return
         lead = _range(leader)
@@ -168,7 +168,7 @@ class _Repairs:
         self._add("range", where, problem, old, new)
 
     def _free_mimic(self, joint: ET.Element, limit: ET.Element, leader: str) -> None:
-        """Take the range of a mimic joint whose leader has none."""
+        """Remove the range of a mimic joint whose leader has no range."""
         old = f"{limit.get('lower', '0')} to {limit.get('upper', '0')}"
         if joint.get("type") == "prismatic":
             _set_range(limit, -_OUT_OF_REACH, _OUT_OF_REACH)
@@ -179,7 +179,7 @@ class _Repairs:
         self._add("range", where, problem, old, "free")
 
     def adopt_root_joint(self, base: str) -> None:
-        """Let the base take the place of a root joint of the same type."""
+        """Remove a root joint whose type is that of the base: the base replaces it."""
         joints, root = self.robot.findall("joint"), self._root()
         below = [joint for joint in joints if _link_of(joint, "parent") == root]
         if len(below) != 1 or below[0].get("type") != base or base == "fixed":
@@ -230,7 +230,7 @@ class _Repairs:
     def _find_leader(
         self, rule: ET.Element, joints: dict[str, ET.Element]
     ) -> tuple[str, float, float] | None:
-        """Return the leader at the end of a chain, with factor and offset."""
+        """Return the last leader of a chain of mimic rules, with factor and offset."""
         multiplier, offset = 1.0, 0.0
         seen: set[str] = set()
         while True:

@@ -94,7 +94,7 @@ def parse_leading_number(text: str) -> float | None:
 
 
 def parse_decimal(text: str) -> float | None:
-    """Return a text that is one decimal number and nothing else, as urdfdom reads it.
+    """Return the number of a text that is one decimal number, as urdfdom reads it.
 
     Args:
         text: Any text; white space around the number is not part of it.

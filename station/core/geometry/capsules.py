@@ -29,7 +29,7 @@ class LinkCapsule:
         return [*self.first, *self.second, self.radius]
 
 
-# Steps towards the middle of the smallest circle; the last ones are below 1 % of it.
+# Steps towards the middle of the smallest circle; the last one is below 1 % of it.
 _STEPS = 100
 # Added to a radius for rounding [m].
 _ROUNDING = 1e-6
@@ -55,7 +55,7 @@ def enclosing_capsule(link: str, points: NDArray[np.float64]) -> LinkCapsule:
 def _along(
     axis: NDArray[np.float64], points: NDArray[np.float64]
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
-    """Return radius and ends of a capsule around points with this axis."""
+    """Return radius and ends of a capsule around points with a given axis."""
     along = points @ axis
     across = points - along[:, None] * axis
     # Badoiu and Clarkson's steps to the middle of the smallest circle.

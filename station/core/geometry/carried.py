@@ -1,4 +1,4 @@
-"""Objects that a hand carries: the capsules around them, and the load that they are."""
+"""Objects in a hand: the capsules that enclose them, and their mass as a load."""
 
 from collections.abc import Sequence
 from math import ceil, hypot
@@ -14,7 +14,8 @@ from station.core.geometry.mesh_files import mesh_vertices
 from station.core.geometry.scene import SceneObject
 
 _MOST_STRIPS = 4
-"""Capsules around a box at most, side by side: one would be as thick as it is wide."""
+"""Largest number of capsules side by side that enclose a box; a single one would be as
+thick as the box is wide."""
 
 
 def enclosing_capsules(thing: SceneObject, grip: Pose) -> list[LinkCapsule]:
@@ -22,11 +23,11 @@ def enclosing_capsules(thing: SceneObject, grip: Pose) -> list[LinkCapsule]:
 
     Args:
         thing: The object.
-        grip: Pose of its middle in that frame.
+        grip: Pose of the object's middle in that frame.
 
     Raises:
         RobotDescriptionError: The file of a mesh cannot be read.
-        SceneRefusedError: It is a half-space, which no arm can carry.
+        SceneRefusedError: The object is a half-space, which no arm can carry.
     """
     if thing.kind == "sphere":
         return [LinkCapsule(thing.name, grip.xyz, grip.xyz, thing.size[0])]
@@ -57,7 +58,7 @@ def load_of(
 ) -> tuple[float, list[float], list[float]]:
     """Return mass, centre of mass and inertia of some objects as one body.
 
-    A capsule counts as the cylinder of its whole length, a mesh as the box around it.
+    A capsule counts as a cylinder of its whole length, a mesh as the box around it.
 
     Args:
         things: The objects and the poses of their middles in the frame of the load.
@@ -106,7 +107,7 @@ def _box(thing: SceneObject) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
     Raises:
         RobotDescriptionError: The file of a mesh cannot be read.
-        SceneRefusedError: It has no box.
+        SceneRefusedError: No box encloses it: it is a half-space.
     """
     if thing.kind == "mesh":
         corners = mesh_vertices(Path(thing.file))

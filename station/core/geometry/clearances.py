@@ -1,8 +1,8 @@
-"""Distances of an arm to the solids around it, at a pose and on the way from it.
+"""Distances of an arm to the solids around it, at a pose and along a line from it.
 
-Between two measurements a pair comes nearer by no more than the arm and the solid have
-moved. So the last gap of a pair, less that, is a bound, and only pairs whose bound is
-small are measured again: the result is the same as if all were.
+Between two measurements the gap of a pair shrinks by at most the motion of the arm and
+of the solid. So the last gap minus this motion is a bound, and only pairs with a small
+bound are measured again: the result is the same as if all pairs were.
 """
 
 from collections.abc import Sequence
@@ -22,47 +22,49 @@ from station.memory.functions import square_root
 
 _ROW, _MARGIN = ROW, MARGIN  # as C numbers, by the .pxd
 _FAR = 1e9
-# Largest way of any point of the arm between two poses that are compared [m].
+# Longest motion of any point of the arm between two poses that are checked [m].
 _STEP = 0.05
 _MOST_STEPS = 6
 _REFINEMENTS = 5
-# A pair nearer than its margin may not come nearer by more than rounding, and a bound
-# is lower by it [m].
+# Tolerance for rounding [m]: for the gap of a pair that is nearer than its margin, and
+# for bounds.
 _ROUNDING = 1e-9
 
 
 class Clearances:
     """Measures an arm against solids. Control thread only.
 
-    A gap is a distance less its margin [m]. A pair has a number: that of its
-    capsule times the number of solids plus that of its solid.
+    A pair is a capsule of the arm and a solid. Its gap is its distance less the margin
+    of the solid [m]. Its number is the number of the capsule times the count of solids
+    plus the number of the solid.
 
     Args:
         chain: The arm, see `arm_chain`.
         capsules: Capsules of its links, 7 numbers each.
         owners: Index of the link of each capsule.
-        tree: A robot that is no such chain, see `place_tree`; `chain` then says nothing
-            but how many joints there are.
+        tree: A robot that is no such chain, see `place_tree`; `chain` then only gives
+            the number of joints.
         longest: See `reaches_of_tree`.
 
     Attributes:
-        count, solid_count: Numbers of capsules and of solids.
+        count, solid_count: Number of capsules and number of solids.
         capsules, owners: As given.
-        links, segments: Poses of the links and ends of the axes where `place` put them.
+        links, segments: Poses of the links and ends of the capsules' axes, as `place`
+            computed them last.
         solids: Rows of `distances`.
         nearness: Result of the last `exact`.
-        way: Way of the joints [rad], shape (n,), along which `free_share` looks.
-        slack: By how much a margin may be missed on it [m].
-        lag: How far the robot may be from the poses that are looked at [m]: the margin
-            is as much larger.
+        way: Displacement of the joints [rad], shape (n,), which `free_share` checks.
+        slack: Part of the margin that may be lost on this way [m].
+        lag: Largest distance of the robot from the checked poses [m], by which the
+            margin is enlarged.
         most_steps: Largest number of checked poses on a line.
         gaps: Gaps of all pairs at the last measurement: exact up to the horizon and for
-            the nearest pair, bounds beyond.
-        least: The least of them.
-        horizon: Gaps that `way` can use up at most [m].
-        distance: Distance of the nearest pair [m], by its gap.
-        pair: Number of the nearest pair; -1 for none.
-        blocking: The last pair that came to its margin on a line; -1 for none.
+            the nearest pair, lower bounds beyond.
+        least: The least of these gaps.
+        horizon: Largest gap that `way` can close [m].
+        distance: Distance of the pair with the least gap [m].
+        pair: Number of the pair with the least gap; -1 for none.
+        blocking: The last pair that reached its margin on a line; -1 for none.
     """
 
     def __init__(
@@ -94,7 +96,7 @@ class Clearances:
             else reaches(chain, self.capsules, self.owners)
         )
         self.lag, self.most_steps = 0.0, _MOST_STEPS
-        # Half of the axis and the radius: how far a capsule reaches from its middle.
+        # Half the axis plus the radius: how far a capsule reaches from its middle.
         self.extents = doubles(
             0.5 * dist(self.capsules[k : k + 3], self.capsules[k + 3 : k + 6])
             + self.capsules[k + 6]
@@ -104,7 +106,7 @@ class Clearances:
         self.set_solids([], [])
 
     def set_solids(self, solids: Sequence[float], triangles: Sequence[float]) -> None:
-        """Measure these solids from now on, and no others.
+        """Replace all solids by these.
 
         Args:
             solids: Rows of `distances` in the frame of the base.
@@ -115,7 +117,7 @@ class Clearances:
         self.nearness = Nearness(self.solids, doubles(triangles or [0.0] * 9))
         pairs = max(1, self.count * self.solid_count)
         self.allowed = indices([1] * pairs)
-        # None has been measured yet.
+        # No pair has been measured yet.
         self.gaps = doubles([-_FAR] * pairs)
         self.shifts = zeros(max(1, self.solid_count))
         self.least = self.distance = _FAR
@@ -123,7 +125,7 @@ class Clearances:
         self.horizon = 0.0
 
     def allow(self, solid: int, capsules: Sequence[bool]) -> None:
-        """Let a solid count for some capsules only.
+        """Set for which capsules a solid counts.
 
         Args:
             solid: Number of the solid.
@@ -152,7 +154,7 @@ class Clearances:
         x, y, z = (
             (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 1.0)
         )
-        # Any axis across: the one that is farthest from the axis of the capsule.
+        # Any axis across the capsule; this one is never parallel to it.
         ux, uy, uz = (0.0, z, -y) if -0.7 < x < 0.7 else (-z, 0.0, x)
         size = square_root(ux * ux + uy * uy + uz * uz)
         ux, uy, uz = ux / size, uy / size, uz / size
@@ -174,7 +176,7 @@ class Clearances:
         self.shifts[solid] += square_root(vx * vx + vy * vy + vz * vz)
 
     def place(self, q: Doubles, share: float) -> None:
-        """Place the axes of the capsules at a share of the line from a pose."""
+        """Place the axes of the capsules at a share, 0 to 1, of `way` from a pose."""
         for i in range(self.size):
             self.at[i] = q[i] + share * self.way[i]
         if self.is_tree:
@@ -184,7 +186,7 @@ class Clearances:
         place_segments(self.capsules, self.owners, self.links, self.segments)
 
     def bound(self, capsule: int, solid: int) -> float:
-        """Return a distance that a capsule and a solid have at least [m]."""
+        """Return a lower bound of the distance of a capsule to a solid [m]."""
         k, ends, o = 6 * capsule, self.segments, _ROW * solid
         middle = self.nearness.of_row(
             0.5 * (ends[k] + ends[k + 3]),
@@ -195,7 +197,7 @@ class Clearances:
         return self.solids[o + 17] * middle - self.extents[capsule]
 
     def exact(self, capsule: int, solid: int) -> float:
-        """Return the distance of a capsule and a solid [m]."""
+        """Return the distance of a capsule to a solid [m]."""
         radius = self.capsules[7 * capsule + 6]
         return self.nearness.to_row(self.segments, 6 * capsule, radius, _ROW * solid)
 
@@ -207,14 +209,14 @@ class Clearances:
         self.add_up(self.at, _ROUNDING)
 
     def add_up(self, steps: Doubles, first: float) -> float:
-        """Add up how far points of each link move with steps of the joints.
+        """Sum up how far points of each link may move with steps of the joints.
 
         Args:
             steps: Steps of the joints [rad or m], shape (n,).
-            first: Distance that is added to each [m].
+            first: Distance to start each sum with [m].
 
         Returns:
-            The longest way [m].
+            The longest distance [m].
         """
         longest = first
         for i in range(self.link_count):
@@ -226,16 +228,16 @@ class Clearances:
         return longest
 
     def measure(self, q: Doubles, horizon: float) -> float:
-        """Measure all pairs at a pose, exactly where it matters; return the least gap.
+        """Measure the pairs at a pose, exactly where it matters; return the least gap.
 
         Args:
             q: Joint positions [rad], shape (n,).
-            horizon: Gaps up to it are to be exact [m].
+            horizon: Gaps up to this one are measured exactly [m].
         """
         least, first = _FAR, self.pair
         self.note_motion(q)
         self.place(q, 0.0)
-        # The last nearest pair first: it lets most of the others be passed over.
+        # First the pair that was nearest: most others can then be skipped.
         if first >= 0:
             capsule, solid = first // self.solid_count, first % self.solid_count
             margin = self.solids[_ROW * solid + _MARGIN]
@@ -269,7 +271,7 @@ class Clearances:
         return least
 
     def blocked_at(self, q: Doubles, share: float) -> int:
-        """Return the first pair that is too near at a share of the line, or -1."""
+        """Return the first pair that is too near at a share of `way`, or -1."""
         self.place(q, share)
         for capsule in range(self.count):
             for solid in range(self.solid_count):
@@ -291,7 +293,7 @@ class Clearances:
 
         Args:
             q: Joint positions at which the line begins [rad], shape (n,).
-            zone: Gaps up to the horizon and this are to be exact [m].
+            zone: Distance beyond the horizon up to which gaps are exact [m].
         """
         length = self.add_up(self.way, 0.0)
         self.horizon = length + self.lag

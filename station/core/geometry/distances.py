@@ -1,12 +1,12 @@
 """Signed distances of capsules to convex solids, to fences and to each other.
 
-A capsule is a segment with a radius. A solid is a row of 20 numbers: its kind, the x, y
-and z axes and the origin of its frame, three sizes, the margin [m], +1 to keep out of
-it or -1 to stay inside, and where its triangles begin and how many there are. The frame
-of a solid is its middle; a half-space fills what is below its own z = 0.
+A capsule is a segment with a radius. A solid is a row of 20 numbers: its kind; the x, y
+and z axes and the origin of its frame; three sizes; the margin [m]; +1 to keep out of
+it or -1 to stay inside; the index of its first triangle and the number of its
+triangles. The frame of a solid is at its middle; a half-space fills its own z < 0.
 
-The signed distance of a point to a convex solid is convex along a line, so a segment is
-nearest where the slope changes its sign, and it is farthest at an end.
+Along a line, the signed distance of a point to a convex solid is a convex function. So
+a segment is nearest where the slope changes its sign, and farthest at one of its ends.
 """
 
 from collections.abc import Sequence
@@ -17,31 +17,31 @@ from station.memory.doubles import Doubles, Indices, Storage, zeros
 from station.memory.functions import square_root
 
 ROW = 20
-"""Numbers of a solid."""
+"""Count of the numbers in the row of a solid."""
 MARGIN = 16
-"""Where the margin is in the row of a solid."""
+"""Index of the margin in the row of a solid."""
 SPHERE, CAPSULE, CYLINDER, BOX, HALF_SPACE, MESH = range(6)
-"""Kinds of a solid. The sizes are the radius; the radius and half the length of the
-axis, which for a capsule ends in the middles of its caps; half the edges of a box; how
-far a mesh reaches beyond its triangles."""
+"""Kinds of solids. Their sizes are: the radius of a sphere; the radius and half the
+length of the axis of a capsule, between the middles of its caps, or of a cylinder; half
+the edges of a box; the distance by which a mesh reaches beyond its triangles."""
 
 # As C numbers, by the .pxd.
 _SPHERE, _CAPSULE, _CYLINDER, _BOX = SPHERE, CAPSULE, CYLINDER, BOX
 _HALF_SPACE = HALF_SPACE
-# Below it the nearest points of two lines are lost in rounding: they count as parallel.
+# |u x v|^2 [m^4] below which segments u and v count as parallel, due to rounding.
 _PARALLEL = 1e-12
-# Length of the part of a segment in which the nearest point is [m]. The distance there
-# differs by less than the square of it over the size of the solid.
+# Length of the part of a segment to which the nearest point is narrowed [m]. The error
+# of the distance is below the square of this length over the size of the solid.
 _EXACT = 1e-7
 
 
 class Nearness:
-    """Measures one capsule against one solid; keeps the result.
+    """Measures the distance of one capsule to one solid, and keeps the result.
 
     Args:
         solids: Rows of solids, 20 numbers each.
         triangles: Corners of the triangles of all meshes, in the frame of their solid
-            [m], 9 numbers each; the outside is where they turn left.
+            [m], 9 numbers each; seen from outside, the corners turn left.
 
     Attributes:
         distance: Distance of the surfaces at the last measurement [m]; negative when
@@ -58,7 +58,7 @@ class Nearness:
         self.normal = zeros(3)
 
     def to_row(self, ends: Doubles, i: int, radius: float, o: int) -> float:
-        """Return the distance of a capsule to a solid, without its margin [m].
+        """Return the distance of a capsule to a solid [m]; the margin is ignored.
 
         Args:
             ends: Ends of the axes of the capsules [m].
@@ -111,9 +111,9 @@ class Nearness:
         """Return the signed distance of a point to a solid; negative inside [m].
 
         Args:
-            px: The point [m], as the next two.
-            py: See `px`.
-            pz: See `px`.
+            px: x of the point in the base frame [m].
+            py: y of the point [m].
+            pz: z of the point [m].
             o: Index of the solid's first number.
         """
         solids = self.solids
@@ -129,7 +129,7 @@ class Nearness:
             if z < 0.0:
                 sz, z = -1.0, -z
             if kind == _CYLINDER:
-                # A box of two dimensions: across the axis and along it.
+                # Like a box in two dimensions: across the axis and along it.
                 across = square_root(x * x + y * y)
                 sx, sy = (x / across, y / across) if across > 0.0 else (1.0, 0.0)
                 x, y, z = across - a, -1.0, z - b
@@ -178,9 +178,9 @@ class Nearness:
         """Return the signed distance of a point to a convex mesh, in its frame [m].
 
         Args:
-            x: The point in the frame of the solid [m], as the next two.
-            y: See `x`.
-            z: See `x`.
+            x: x of the point in the frame of the solid [m].
+            y: y of the point [m].
+            z: z of the point [m].
             o: Index of the solid's first number.
         """
         solids, triangles, normal = self.solids, self.triangles, self.normal
@@ -238,20 +238,20 @@ class Nearness:
 
 
 def _clipped(value: float) -> float:
-    """Return a share within 0 and 1."""
+    """Return a number clipped to the range 0 to 1."""
     return 0.0 if value < 0.0 else 1.0 if value > 1.0 else value
 
 
 def nearest_points(
     first: Doubles, second: Doubles, point: Doubles, normal: Doubles
 ) -> float:
-    """Return the distance between two segments, each of some length [m].
+    """Return the distance between two segments of positive length [m].
 
     Args:
         first: Ends of one segment, 6 numbers.
         second: Ends of the other segment, 6 numbers.
-        point: Receives the nearest point of the first one, shape (3,).
-        normal: Receives the direction from the second one to it, shape (3,).
+        point: Receives the nearest point of the first segment, shape (3,).
+        normal: Receives the direction to it from the second segment, shape (3,).
     """
     s, t = 0.0, 0.0
     px = first[0]
@@ -267,7 +267,7 @@ def nearest_points(
     uv = ux * vx + uy * vy + uz * vz
     uw, vw = ux * wx + uy * wy + uz * wz, vx * wx + vy * wy + vz * wz
     square = uu * vv - uv * uv
-    # Nearest points of the lines, then back onto the segments; parallel ones: any.
+    # Nearest points of the lines, clipped to the segments; any point if parallel.
     if square > _PARALLEL:
         s = (uv * vw - uw * vv) / square
         s = 0.0 if s < 0.0 else 1.0 if s > 1.0 else s
@@ -282,7 +282,7 @@ def nearest_points(
     point[0], point[1], point[2] = px + s * ux, py + s * uy, pz + s * uz
     size = square_root(x * x + y * y + z * z)
     normal[0], normal[1], normal[2] = 0.0, 0.0, 1.0
-    # Axes that cross have no direction: any will do.
+    # Axes that intersect have no direction between them, so any will do.
     if size > 0.0:
         normal[0], normal[1], normal[2] = x / size, y / size, z / size
     return size
@@ -316,7 +316,7 @@ def place_segments(
 
 
 def reaches(chain: Doubles, capsules: Doubles, owners: Indices) -> list[float]:
-    """Return the greatest distance of an arm's point from each joint axis [m].
+    """Return the greatest distance of any point of an arm from each joint axis [m].
 
     Args:
         chain: The arm, see `arm_chain`.
@@ -338,16 +338,17 @@ def reaches(chain: Doubles, capsules: Doubles, owners: Indices) -> list[float]:
 def reaches_of_tree(
     tree: Doubles, capsules: Doubles, owners: Indices, longest: Sequence[float]
 ) -> list[float]:
-    """Return the farthest way of any point of a robot with each link's joint.
+    """Return how far any point of a robot may move per unit of each link's joint.
 
     Args:
         tree: The robot, see `place_tree`.
         capsules: Capsules of its links, 7 numbers each.
         owners: Index of the link of each capsule.
-        longest: Greatest distance of each sliding joint from 0 [m]; else anything.
+        longest: For each link on a sliding joint, its greatest distance from 0 [m];
+            other values are ignored.
 
     Returns:
-        Metres per unit of the joint.
+        Distances [m] per unit of the joint [rad or m].
     """
     rows = [tree[k : k + TREE_ROW] for k in range(0, len(tree), TREE_ROW)]
     far = [0.0] * len(rows)

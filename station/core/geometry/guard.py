@@ -1,12 +1,12 @@
 """Slows the commands of an arm so that it can always stop clear of its scene.
 
-The guard looks ahead to where the arm would come to rest if it braked now: along a line
-in the space of its joints, all of them stopping together with a share of their
-acceleration limits. A command passes unchanged while that line stays clear of every
-solid by its margin. Otherwise the command is scaled, so that the line ends where the
-first pair would come to its margin. A pair that is nearer already may only move apart.
+The guard predicts where the arm would come to rest if it braked now. The prediction is
+a line in joint space: all joints stop together, with a share of their acceleration
+limits. A command passes unchanged while the arm, along that line, keeps its margin from
+every solid. Otherwise the command is scaled so that the line ends where the first pair
+would reach its margin. A pair that is already nearer may only move apart.
 
-With other arms each keeps clear of where the other is and of where it would come to
+An arm also keeps clear of where any other arm is and of where that arm would come to
 rest, so that both can stop whatever either of them does next.
 """
 
@@ -21,36 +21,37 @@ from station.memory.doubles import Doubles, Storage, doubles, zeros
 from station.memory.functions import square_root
 
 GUARD_REFLEX = "guard_reflex"
-"""Name of the reflex with which a motion ends that cannot stop clear any more."""
+"""Name of the reflex that ends a motion which can no longer stop in time."""
 PASSES, SLOWED, CANNOT_STOP = range(3)
-"""What becomes of a Cartesian command."""
+"""What the guard does with a Cartesian command: send it, slow it, or stop the arm."""
 _PASSES, _SLOWED, _CANNOT_STOP = PASSES, SLOWED, CANNOT_STOP  # as C numbers
-# Share of the acceleration limits with which the arm is to stop. The other half is for
-# turning the acceleration round, and for a line that bends towards a solid.
+# Share of the acceleration limits with which the arm is to stop. The rest is needed to
+# reverse the acceleration, and for lines that bend towards a solid.
 _BRAKING_SHARE = 0.5
-# Share with which a Cartesian command is expected to stop the joints: less than it may
-# use of them, because the way bends and the slower twist is approached gradually.
+# Share of the acceleration limits with which a Cartesian command is expected to stop
+# the joints: less than is available, because the path bends and the slower twist is
+# approached gradually.
 _CARTESIAN_SHARE = 0.25
-# Share with which it stops when the command is given up.
+# Share of the acceleration limits with which the arm stops if the command is given up.
 _HARDEST = 0.8
-# By how much a margin may be missed before a command is given up [m]: an arm that rests
-# at its margin trembles.
+# Part of the margin that may be lost before a command is given up [m]: an arm that
+# rests at its margin trembles.
 _SLACK = 5e-4
-# Time for turning the acceleration round, in times that the limits of jerk take to
-# build it up: from the largest one to that of the braking, and some more.
+# Time to reverse the acceleration, from the largest one to that of the braking, as a
+# multiple of the time in which the jerk limits build it up; with some reserve.
 _TURNING = 2.5
-# Share of the velocity limits with which an arm that was slowed catches up.
+# Share of the velocity limits with which an arm catches up after it was slowed.
 _CATCH_UP = 0.25
-# Share of the limits of acceleration at which a Cartesian command passes again, rate at
-# which its velocity is approached [1/s], share of the limits of joints that this may
-# use, and the square of the damping of the inverse kinematics.
+# Share of the acceleration limits below which a Cartesian command passes again, rate at
+# which its velocity is approached [1/s], share of the joints' limits that the approach
+# may use, and square of the damping of the inverse kinematics.
 _EXIT = 0.1
 _APPROACH = 200.0
 _JOINT_SHARE = 0.4
 _SINGULAR = 1e-4
-# Repelling bound of torques: width in front of the margin [m], stiffness [N/m],
-# deceleration that allows a velocity towards a solid [m/s^2], and damping of what is
-# faster [N s/m].
+# Virtual spring that limits torques: width in front of the margin [m], stiffness [N/m],
+# deceleration that bounds the velocity towards a solid [m/s^2], and damping of faster
+# motion [N s/m].
 _ZONE = 0.015
 _STIFFNESS = 1500.0
 _SOFT_BRAKE = 2.0
@@ -74,14 +75,14 @@ class Guard:
         period: Duration of a cycle [s].
 
     Attributes:
-        is_active: Whether there is anything to keep clear of.
-        is_slowing: Whether commands are slowed.
+        is_active: Whether the scene has any solid or other arm to keep clear of.
+        is_slowing: Whether the guard slows commands at present.
         interventions: Number of cycles in which a command was changed or given up.
         clearances: Distances of the pairs of a capsule and a solid.
-        v: Velocities of the joints that are judged or wanted [rad/s or m/s].
+        v: Joint velocities to check, then the slowed ones [rad/s or m/s].
         period: Duration of a cycle [s].
-        committed: Ends of all axes where the arm is, then where it would come to rest
-            [m], 12 numbers per capsule.
+        committed: Ends of all axes where the arm is, then at the pose in which it would
+            come to rest [m], 12 numbers per capsule.
     """
 
     def __init__(
@@ -112,7 +113,7 @@ class Guard:
         self.acceleration, self.jerk = doubles(acceleration), doubles(jerk)
         self.torque_step, self.period = torque_step, period
         build_up = max(a / j for a, j in zip(acceleration, jerk, strict=True))
-        # A slower loop notices later.
+        # A slower loop reacts later.
         self.reaction = max(_TURNING * build_up, period) + period
         self.translation = doubles(translation)
         self.committed = zeros(12 * self.count)
@@ -127,7 +128,7 @@ class Guard:
         self.set_scene([], [], [])
 
     def take(self, clearances: Clearances, names: Sequence[str]) -> None:
-        """Watch other capsules from now on; `set_scene` has to follow.
+        """Watch other capsules from now on; the caller then calls `set_scene`.
 
         Args:
             clearances: Measures the capsules.
@@ -144,13 +145,13 @@ class Guard:
         things: Sequence[str],
         arm_margin: float | None = None,
     ) -> None:
-        """Keep clear of these solids from now on, and of no others.
+        """Replace all solids by these.
 
         Args:
             solids: Rows of `distances` in the frame of the base.
             triangles: Their triangles.
-            things: Their names.
-            arm_margin: Distance to keep from other arms [m]; None for any.
+            things: Names of the solids.
+            arm_margin: Distance to keep from other arms [m]; None to ignore them.
         """
         self.fixed = len(things)
         self.arm_margin = arm_margin or 0.0
@@ -171,7 +172,7 @@ class Guard:
         self.commit(self.q_d, 0.0)
 
     def add_neighbour(self, other: "Guard", place: Doubles, arm: str) -> None:
-        """Make another arm known, which `set_scene` may let count.
+        """Add another arm, which counts if `set_scene` says so.
 
         Args:
             other: The other arm's guard.
@@ -184,7 +185,7 @@ class Guard:
         self.arms.append(arm)
 
     def allow(self, solid: int, links: Sequence[str]) -> None:
-        """Let a solid count for some links only.
+        """Set for which links a solid counts.
 
         Args:
             solid: Number of the solid.
@@ -210,7 +211,7 @@ class Guard:
         )
 
     def look(self) -> None:
-        """Measure where the arm is; for cycles without a command of controllers."""
+        """Measure the arm as it is, in a cycle in which no controller commands it."""
         self.is_slowing = False
         if self.others:
             self.place_others()
@@ -238,7 +239,7 @@ class Guard:
 
         Args:
             q: Joint positions [rad], shape (n,).
-            share: Share of `way` on which it would.
+            share: Share of `way`, 0 to 1, at which it would rest.
         """
         if not self.is_committing:
             return
@@ -246,7 +247,7 @@ class Guard:
         self.put_places(q, share, 6)
 
     def put_places(self, q: Doubles, share: float, offset: int) -> None:
-        """Write the axes at a share of the line into `committed`."""
+        """Write the ends of the axes at a share of `way` into `committed`."""
         near = self.clearances
         near.place(q, share)
         for i in range(self.count):
@@ -254,11 +255,11 @@ class Guard:
                 self.committed[12 * i + offset + k] = near.segments[6 * i + k]
 
     def look_ahead(self, q: Doubles, longest: float, braking: float) -> float:
-        """Set `way` to where the arm stops from `v`; return how `v` may be scaled.
+        """Set `way` to the stopping motion from `v`; return the allowed scale of `v`.
 
         Args:
             q: Joint positions [rad], shape (n,).
-            longest: Time that stopping takes at least [s].
+            longest: Shortest time in which the arm may stop [s].
             braking: Share of the acceleration limits with which it stops.
         """
         time = longest
@@ -275,7 +276,7 @@ class Guard:
         share = self.clearances.free_share(q, _ZONE)
         scale = 1.0
         if share < 1.0:
-            # half s^2 + reaction s = share (half + reaction)
+            # The scale s follows from half s^2 + reaction s = share (half + reaction).
             reaction = self.reaction
             room = share * (half + reaction)
             scale = 2.0 * room
@@ -300,7 +301,7 @@ class Guard:
             result[i] = self.q_d[i] + self.v[i] * self.period
 
     def catch_up(self, result: Storage) -> None:
-        """Let `v` lead to positions behind which the arm is, so that it can stop there.
+        """Set `v` towards positions from which the arm lags; it can stop there.
 
         Args:
             result: The positions [rad or m], shape (n,).
@@ -334,7 +335,7 @@ class Guard:
             result[i] = self.v[i]
 
     def passes(self) -> bool:
-        """Return whether the velocities `v` may be sent as they are."""
+        """Return whether the velocities `v` may be sent unchanged."""
         if self.is_slowing:
             for i in range(self.size):
                 change = (self.v[i] - self.dq_d[i]) / self.period
@@ -349,7 +350,7 @@ class Guard:
         return not self.is_slowing
 
     def slow(self) -> None:
-        """Scale `v` so that the arm can stop in time, within the limits of joints."""
+        """Scale `v` so that the arm can stop in time; keep the joints' limits."""
         self.interventions += 1
         scale = self.look_ahead(self.q_d, 0.0, _BRAKING_SHARE)
         for i in range(self.size):
@@ -365,13 +366,13 @@ class Guard:
             )
 
     def limit_pose(self, pose: Doubles) -> int:
-        """Write the twist that slowly leads to a pose to `twist`, if it is too fast.
+        """If a pose is approached too fast, set `twist` to approach it slowly.
 
         Args:
             pose: The pose to send, 16 numbers.
 
         Returns:
-            `PASSES`, `SLOWED`, or `CANNOT_STOP` when the arm has to stop now.
+            `PASSES`, `SLOWED`, or `CANNOT_STOP` if the arm has to stop now.
         """
         twist_between(self.last_pose, pose, self.period, self.twist)
         if self.twist_passes():
@@ -395,7 +396,7 @@ class Guard:
         return self.slow_twist()
 
     def limit_twist(self, twist: Doubles) -> int:
-        """Write a slower twist to the guard's own one, if this one is too fast.
+        """If a twist is too fast, set `self.twist` to a slower one.
 
         Args:
             twist: The twist to send [m/s, rad/s], shape (6,).
@@ -410,7 +411,7 @@ class Guard:
         return self.slow_twist()
 
     def twist_passes(self) -> bool:
-        """Return whether `twist` may be sent as it is."""
+        """Return whether `twist` may be sent unchanged."""
         was_slowing, rest = self.is_slowing, self.rest
         if was_slowing:
             for k in range(6):
@@ -419,8 +420,8 @@ class Guard:
                 if not -most <= change <= most:
                     return False
         self.is_slowing = self.look_ahead_of_twist() < 1.0
-        # Near a singular pose even a small step of the acceleration is one of joints
-        # that the arm refuses.
+        # Near a singular pose even a small step in the twist's acceleration needs a
+        # step in joint accelerations that the arm refuses.
         if was_slowing and not self.is_slowing:
             for k in range(6):
                 change = (self.twist[k] - self.last_twist[k]) / self.period
@@ -430,11 +431,11 @@ class Guard:
         return not self.is_slowing
 
     def slow_twist(self) -> int:
-        """Scale `twist` so that the arm can stop in time, within the limits of joints.
+        """Scale `twist` so that the arm can stop in time; keep the joints' limits.
 
-        The acceleration of the twist changes by as much as no joint's jerk exceeds.
-        Near a singular pose that may brake too little: then only the arm itself, joint
-        by joint, still stops in time.
+        The acceleration of the twist changes only as fast as the jerk of every joint
+        allows. Near a singular pose that may brake too little: then only the arm's own
+        stop, joint by joint, is still in time.
         """
         self.interventions += 1
         for i in range(self.size):
@@ -462,7 +463,7 @@ class Guard:
         return _SLOWED
 
     def share_within(self, limits: Doubles, factor: float) -> float:
-        """Return the share of `v` at which no joint exceeds its share of limits."""
+        """Return the scale of `v`, at most 1, that keeps `_JOINT_SHARE` of limits."""
         share = 1.0
         for i in range(self.size):
             size = self.v[i] if self.v[i] > 0.0 else -self.v[i]
@@ -474,8 +475,8 @@ class Guard:
     def look_ahead_of_twist(self) -> float:
         """Return the share of `twist` with which the arm can stop in time.
 
-        The joints move as they do now, and with the least change that leads to the
-        twist: the arm's own inverse kinematics is not known.
+        The joints are assumed to add to their present motion the least change that
+        leads to the twist, because the arm's own inverse kinematics is not known.
         """
         longest, twist = 0.0, self.twist
         for k in range(0, 6, 3):
@@ -501,7 +502,7 @@ class Guard:
         return self.look_ahead(self.q_d, longest, _CARTESIAN_SHARE)
 
     def solve_joints(self) -> None:
-        """Write the least joint velocities with the twist `rest` to `v`."""
+        """Write the least joint velocities that give the twist `rest` to `v`."""
         least_rates(self.jacobian, self.rest, self.matrix, _SINGULAR, self.v)
 
     def limit_torques(self, result: Storage) -> bool:
@@ -540,10 +541,10 @@ class Guard:
         return can_stop
 
     def repel(self, capsule: int, solid: int, gap: float) -> bool:
-        """Add the torques of a damped spring between a capsule and a solid.
+        """Add the torques of a damped spring that pushes a capsule off a solid.
 
         Returns:
-            Whether there are any.
+            Whether the torques are not zero.
         """
         near, links = self.clearances.nearness, self.clearances.links
         last = self.clearances.owners[capsule] + 1

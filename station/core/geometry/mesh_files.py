@@ -11,7 +11,7 @@ from station.core.geometry import distances
 from station.memory.doubles import doubles, zeros
 
 _MAX_BYTES = 200_000_000
-# How a checkout without its large files begins each of them.
+# First bytes of a file that Git LFS has not fetched.
 _PLACEHOLDER = b"version https://git-lfs"
 _MOST_CORNERS = 40
 
@@ -23,10 +23,10 @@ def check_mesh_file(path: Path) -> None:
         path: The file.
 
     Raises:
-        RobotDescriptionError: The file has no extension, is missing, too large, or only
-            the placeholder of a large file.
+        RobotDescriptionError: The file has no extension, is missing or too large, or is
+            only the placeholder of a file that Git LFS has not fetched.
     """
-    # The extension alone says which format the readers expect.
+    # Only the extension tells the readers which format to expect.
     if not path.suffix:
         raise RobotDescriptionError(
             f"The mesh file {path} has no extension, so that its format is not known.",
@@ -41,7 +41,7 @@ def check_mesh_file(path: Path) -> None:
             f"The mesh file {path} cannot be read: {exc.strerror}.",
             remedy="Check the path and its permissions.",
         ) from exc
-    # A larger mesh would take all memory, or minutes, before MuJoCo refuses it.
+    # A larger mesh takes all memory, or minutes, before MuJoCo refuses it.
     if size > _MAX_BYTES:
         raise RobotDescriptionError(
             f"The mesh file {path} has {size} bytes; a mesh may have {_MAX_BYTES}.",
@@ -61,7 +61,7 @@ def mesh_vertices(path: Path) -> NDArray[np.float64]:
         path: An OBJ file, or an STL file, binary or text.
 
     Raises:
-        RobotDescriptionError: The file has no corners that can be read.
+        RobotDescriptionError: Fewer than four corners can be read from the file.
     """
     data = path.read_bytes()
     count = int.from_bytes(data[80:84], "little")
@@ -85,19 +85,19 @@ def mesh_vertices(path: Path) -> NDArray[np.float64]:
 
 
 def add_hull(vertices: NDArray[np.float64], triangles: list[float]) -> float:
-    """Add the triangles of a convex hull of some points, made of a few of them.
+    """Add the triangles of a convex hull that uses only some of the given points.
 
     Args:
         vertices: The points [m], shape (n, 3).
         triangles: Receives the corners [m], 9 numbers per triangle.
 
     Returns:
-        How far the points reach beyond these triangles [m], >= 0.
+        Distance by which the points reach beyond these triangles [m], >= 0.
 
     Raises:
         RobotDescriptionError: The points lie in a plane.
     """
-    # Even directions over a ball: points of the golden spiral.
+    # Evenly spread directions: points of the golden spiral on a sphere.
     turn = np.arange(4 * _MOST_CORNERS) + 0.5
     polar = np.arccos(1.0 - turn / (2.0 * _MOST_CORNERS))
     around = np.pi * (1.0 + 5.0**0.5) * turn
@@ -136,7 +136,7 @@ def add_hull(vertices: NDArray[np.float64], triangles: list[float]) -> float:
 
 
 def _fan(corners: NDArray[np.float64], normal: NDArray[np.float64]) -> list[float]:
-    """Return the triangles of a convex face, all turning left about its normal."""
+    """Return triangles of a convex face whose corners turn left about its normal."""
     middle = corners.mean(axis=0)
     first = corners[0] - middle
     second = np.cross(normal, first)

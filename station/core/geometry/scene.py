@@ -31,10 +31,9 @@ _KINDS = {
     "mesh": distances.MESH,
 }
 ROLES = ("object", "keep_out", "fence")
-"""What an object is to the robots: a thing, a place to keep out of, the place to stay
-in."""
+"""The roles of an object: a thing, a region to keep out of, the region to stay in."""
 HAND = "hand"
-"""Name in `links` that stands for the hand and its fingers."""
+"""Name in `links` for the hand and its fingers together."""
 _KEYS = {
     "name", "type", "size", "position", "rpy", "mass", "file", "friction",
     "role", "margin", "links", "colour", "solid",
@@ -66,7 +65,7 @@ class SceneObject:
         margin: Distance that the robots keep from it [m], >= 0.
         links: Links that a role is for; empty for all. `hand` is the hand and its
             fingers.
-        colour: Red, green and blue, 0 to 255; empty for the one of its role.
+        colour: Red, green and blue, 0 to 255; empty for the colour of its role.
         solid: Whether a simulated robot can touch it.
         carried_by: Name of the arm whose hand carries it; empty for none.
         grip: Pose of its middle in the arm's flange while it is carried.
@@ -205,7 +204,7 @@ def _role(entry: Mapping[str, object], kind: str, mass: float, where: str) -> st
 
 
 def _solid(entry: Mapping[str, object], where: str) -> bool:
-    """Return whether an object can be touched: places are not things unless asked."""
+    """Return whether robots can touch an object; by default a region is not touched."""
     role = entry.get("role", "object")
     solid = entry.get("solid", role == "object")
     if not isinstance(solid, bool):
@@ -245,10 +244,11 @@ def solid_of(thing: SceneObject, base: Pose, triangles: list[float]) -> list[flo
     Args:
         thing: The object.
         base: Pose of the base in the world.
-        triangles: Triangles of all meshes [m]; those of this object are added.
+        triangles: Triangles of all meshes [m]; receives those of this object.
 
     Raises:
-        RobotDescriptionError: The file of a mesh is no STL or OBJ file with a volume.
+        RobotDescriptionError: The file of a mesh is not an STL or OBJ file with a
+            volume.
     """
     sizes, begin = [*thing.size], len(triangles) // 9
     match thing.kind:
