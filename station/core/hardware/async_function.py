@@ -1,9 +1,9 @@
 """A function in a thread of its own, beside a cycle that never waits for it.
 
-Asynchronous controllers and asynchronous hardware are both made of it.
+Asynchronous controllers and asynchronous hardware are both built on it.
 
 Source: ros2_control@6.x realtime_tools/async_function_handler.hpp; differs: a result
-counts from a declared number of cycles later, and nobody waits for a call that is under
+counts after a declared number of cycles, and no thread waits for a call that is under
 way.
 """
 
@@ -62,7 +62,8 @@ _WITHOUT_EFFECT = (
     "wait_until_initial_trigger",
     "print_warnings",
 )
-"""What files of ROS 2 may have in `async_parameters`; the rate is `update_rate`."""
+"""Names that files of ROS 2 may have in `async_parameters` and that have no effect;
+`update_rate` sets the rate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +71,9 @@ class AsyncParams:
     """The parameters of an asynchronous controller or robot.
 
     Attributes:
-        is_detached: Whether a result counts as soon as it is there.
-        cycles: After how many cycles the result of a call counts, >= 1.
-        time_limit: How long a call may take [s station time], > 0.
+        is_detached: Whether a result counts as soon as it exists.
+        cycles: Number of cycles after which the result of a call counts, >= 1.
+        time_limit: Longest time that a call may take [s station time], > 0.
         has_process: Whether calls are carried out in a process of their own.
     """
 
@@ -87,12 +88,12 @@ class AsyncParams:
 
         Args:
             params: The namespace.
-            reads: Gets the names that files of ROS 2 have and that have no effect.
+            reads: Receives the full names of parameters that have no effect here.
 
         Raises:
             ParameterError: A value is impossible.
         """
-        # All are read, so that an impossible value is refused before it has an effect.
+        # Read all of them, so that impossible values are refused in any case.
         policy, cycles = POLICY.read_str(params), CYCLES.read_float(params)
         time_limit, has_process = (
             TIME_LIMIT.read_float(params),
@@ -115,7 +116,7 @@ class AsyncFunction:
         name: Name of the function, for the name of the thread.
         function: Takes the station time of the cycle in which a call begins [s] and the
             time since the last call began [s].
-        params: How it is called.
+        params: Policy, cycles and time limit of the calls.
 
     Attributes:
         every: Cycles from the beginning of a call to that of the next one, >= 1.
@@ -134,10 +135,10 @@ class AsyncFunction:
         self.params = params
         self._name = name
         self._function = function
-        # A thread and what wakes it, from the first call to `end_thread`.
+        # The lock that wakes the thread, from the first call to `end_thread`.
         self._go: threading.Lock | None = None
         self._run_number = 0
-        # The call under way: its time and period, and what is owed after its end.
+        # The call under way: its time and period, and the function to call after it.
         self._job = (0.0, 0.0)
         self._begun_in = 0
         self._is_busy = self._is_ending = False
@@ -160,7 +161,7 @@ class AsyncFunction:
         )
 
     def is_idle(self) -> bool:
-        """Return whether neither a call nor its aftermath is under way."""
+        """Return whether neither a call nor the function after it is under way."""
         return not (self._is_busy or self._is_ending or self._owed)
 
     def is_overdue(self, time: float) -> bool:
@@ -176,9 +177,9 @@ class AsyncFunction:
         )
 
     def end_thread(self) -> None:
-        """End the thread, after the call under way; another call makes a new one.
+        """End the thread after the call under way; the next call makes a new one.
 
-        In the control thread, or while no thread runs the loop.
+        Called in the control thread, or while no thread runs the loop.
         """
         self._run_number += 1
         go, self._go = self._go, None
@@ -186,20 +187,21 @@ class AsyncFunction:
             go.release()
 
     def begin_anew(self) -> None:
-        """Forget results that do not count yet; the next call begins at once."""
+        """Forget results that do not count yet; the next call is due at once."""
         self._in_flight, self._error = False, None
         self._waited = self._countdown = self._age = 0
         self._elapsed = 0.0
 
     def end(self, last: Callable[[], None], *, in_thread: bool = False) -> bool:
-        """Void the call under way, end the thread, and let it call a function last.
+        """Discard the call under way, end the thread, and call a function last.
 
         Args:
             last: Called in the thread, after the call under way.
-            in_thread: Whether the thread calls it in any case, since it may take long.
+            in_thread: Whether to call it in the thread in any case, because it may take
+                long.
 
         Returns:
-            Whether nothing is under way, so that the caller calls the function itself.
+            Whether nothing is under way, so that the caller has to call `last` itself.
         """
         self._in_flight = False
         self._owed.append(last)
@@ -215,7 +217,7 @@ class AsyncFunction:
         return True
 
     def take_result(self, period: float) -> bool:
-        """Count a cycle; return whether the result of a call counts from it on.
+        """Count a cycle; return whether the result of a call counts from now on.
 
         Args:
             period: Time since the last cycle [s].
@@ -244,13 +246,13 @@ class AsyncFunction:
 
         Args:
             time: Station time [s].
-            prepare: Called before it, in the control thread.
+            prepare: Called before the call, in the control thread.
         """
         if self._countdown > 0:
             return
         if self._in_flight:
             if not self.params.is_detached:
-                # The trigger finds it busy, and comes again in its turn.
+                # The call under way is not finished, so this one is skipped.
                 self._missed += 1
                 self._countdown = self.every
             return
@@ -281,7 +283,7 @@ class AsyncFunction:
         _step_behind_the_control_thread()
         while run_number == self._run_number:
             go.acquire()
-            # It is also woken to end.
+            # The thread is also woken to end.
             if self._is_busy:
                 update_of_thread.cycle = self._begun_in
                 self._call()
@@ -295,7 +297,7 @@ class AsyncFunction:
         except CONTAINED as error:  # raised again in the control thread
             self._error = error
         self._durations.add(wall_time() - begin)
-        # In this order: whatever is owed later finds that nothing is under way.
+        # In this order, so that a function added meanwhile finds no call under way.
         self._is_ending = True
         self._is_busy = False
         self._call_what_is_owed()
@@ -303,20 +305,20 @@ class AsyncFunction:
     def _call_what_is_owed(self) -> None:
         self._is_ending = True
         if self._owed:
-            # Results and faults of what has stopped are void.
+            # The caller has stopped, so its results and faults do not matter.
             with suppress(*CONTAINED, IndexError):
                 self._owed.pop()()
         self._is_ending = False
 
 
 def _step_behind_the_control_thread() -> None:
-    """Take the lowest priority of real time, as the station's other threads have.
+    """Take the lowest real-time priority, as the station's other threads do.
 
-    A thread has that of the control thread, which starts it. Equals do not preempt each
-    other. An ordinary priority would be too little: a thread that holds the interpreter
-    must not wait for a processor.
+    A thread inherits the priority of the control thread, which starts it, and threads
+    of equal priority do not preempt each other. An ordinary priority would be too low:
+    a thread that holds the interpreter must not wait for a processor.
     """
-    # Not everywhere is there such a call, and not everybody may use it.
+    # Some systems lack this call, and some users may not use it.
     is_first = getattr(os, "SCHED_FIFO", None)
     if is_first is not None and os.sched_getscheduler(0) == is_first:
         with suppress(PermissionError):

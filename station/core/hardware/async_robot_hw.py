@@ -1,12 +1,13 @@
 """Hardware whose reads and writes run in a thread of their own, beside the cycle.
 
-The control thread, and all that asks the robot there, have private copies of states and
-commands. In each cycle it takes the states that the last call has read and, after the
-controllers, hands over the commands for the next call, which writes them and reads.
+The control thread, and the code that asks the robot there, use private copies of states
+and commands. In each cycle the control thread takes the states that the last call has
+read. After the controllers it hands over the commands for the next call, which writes
+them and then reads.
 
 Source: ros2_control@6.x hardware_interface/src/hardware_component.cpp, trigger_read,
 trigger_write, and doc/asynchronous_components.rst; differs: one call writes and then
-reads, so that states are no older than they must be.
+reads, so that the states are as recent as possible.
 """
 
 import copy
@@ -43,8 +44,8 @@ class PrivateRobotHW(RobotHW):
         hw: The robot.
 
     Attributes:
-        views: Interfaces by type, over the copies; made when they are asked for.
-        uncopied: Interfaces whose handles may have functions, which stay as they are.
+        views: Interfaces by type, over the copies; each is made when it is first used.
+        uncopied: Interfaces whose handles may have functions, which are not copied.
     """
 
     uncopied: ClassVar[tuple[type, ...]] = ()
@@ -102,7 +103,7 @@ class PrivateRobotHW(RobotHW):
         return private
 
     def _copy(self, storage: Storage) -> Storage:
-        # The real one is kept with its copy, so that its identity stays its own.
+        # The real storage is kept as well, so that no other one gets its `id`.
         found = self._copies.get(id(storage))
         if found is None:
             private = [*storage] if isinstance(storage, list) else doubles(storage)
@@ -114,12 +115,12 @@ class AsyncRobotHW(PrivateRobotHW):
     """Reads and writes a robot in a thread of its own.
 
     A simulated robot, and any robot while no thread runs the loop, is read and written
-    in the cycle and charged the declared cycles: its world belongs to the control
-    thread, and every run is the same.
+    in the cycle, because its world belongs to the control thread; its states still
+    count after the declared cycles. So every run is the same.
 
     Args:
         hw: The robot, not yet initialised.
-        params: How it is read and written.
+        params: Policy, cycles and time limit of the calls.
 
     Attributes:
         calls: The calls that write and read.
@@ -129,7 +130,7 @@ class AsyncRobotHW(PrivateRobotHW):
         super().__init__(hw)
         self.calls = AsyncFunction(type(hw).__name__, self._write_and_read, params)
         self.set_stepped(lambda: True)
-        # What needs neither the copies nor the thread is the robot's own.
+        # Methods that need neither the copies nor the thread are the robot's own.
         for name in _OF_THE_ROBOT:
             setattr(self, name, getattr(hw, name))
         self._name = type(hw).__name__
@@ -141,11 +142,12 @@ class AsyncRobotHW(PrivateRobotHW):
 
     @classmethod
     def wrap(cls, hw: RobotHW, params: Parameters) -> RobotHW:
-        """Return a robot that is read and written as its parameters say.
+        """Return the robot, made asynchronous if its parameters say so.
 
         Args:
             hw: The robot, not yet initialised.
-            params: The robot's, which may have `is_async` and `async_parameters`.
+            params: The robot's namespace, which may have `is_async` and
+                `async_parameters`.
 
         Raises:
             ParameterError: A value is impossible.
@@ -161,7 +163,7 @@ class AsyncRobotHW(PrivateRobotHW):
 
         Raises:
             HardwareInterfaceError: The robot has an interface that cannot be copied, or
-                paces the loop.
+                it paces the loop.
         """
         hw = self._hw
         self._name = hw_params.resolve("").rpartition("/")[2] or self._name
@@ -195,7 +197,7 @@ class AsyncRobotHW(PrivateRobotHW):
         )
 
     def set_stepped(self, is_stepped: Callable[[], bool]) -> None:
-        """Take the function that returns whether no thread runs the loop."""
+        """Set the function that returns whether no thread runs the loop."""
         hw = self._hw
         self.calls.is_stepped = lambda: hw.simulated_world() is not None or is_stepped()
 
@@ -205,9 +207,9 @@ class AsyncRobotHW(PrivateRobotHW):
 
     @override
     def on_configure(self, component: str) -> None:
-        """Configure the robot; before the first cycle, read it, too."""
+        """Configure the robot; before the first cycle, also read it."""
         self._hw.on_configure(component)
-        # Controllers would start at zeros otherwise. It may block here.
+        # Otherwise controllers would start with zeros. It may block here.
         if not self._was_read:
             self._hw.read(0.0, 0.0)
             self._take_states()
@@ -222,7 +224,7 @@ class AsyncRobotHW(PrivateRobotHW):
         self._time, self._was_read = time, True
         calls = self.calls
         if period <= 0.0 and calls.is_stepped():
-            # Nothing passes, but somebody may have put the world elsewhere.
+            # No time passes, but the simulated world may have been moved.
             self._hw.read(time, 0.0)
             self._take_states()
             return
@@ -234,7 +236,7 @@ class AsyncRobotHW(PrivateRobotHW):
 
     @override
     def write(self, time: float, period: float) -> None:
-        """Begin a call with the commands of this cycle, unless one is under way."""
+        """Begin a call with the commands of this cycle, if one is due."""
         if period > 0.0:
             self.calls.begin_call(time, self._hand_over_commands)
 
@@ -262,7 +264,7 @@ class AsyncRobotHW(PrivateRobotHW):
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        """Ask the robot.
+        """Ask the robot whether the switch is possible.
 
         Raises:
             SwitchRefusedError: The robot refuses, or does not answer.
@@ -279,11 +281,11 @@ class AsyncRobotHW(PrivateRobotHW):
     def do_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        """Switch the robot, after the call under way."""
+        """Switch the robot at once, or at the end of the call under way."""
         self._has_failed = False
         self._switches.append(partial(self._hw.do_switch, tuple(start), tuple(stop)))
         if self.calls.is_idle():
-            # An error is the caller's, as without a thread.
+            # An error of the last switch is raised, as without a thread.
             last = self._switches.pop()
             self._carry_out_switches()
             last()
@@ -319,7 +321,7 @@ class AsyncRobotHW(PrivateRobotHW):
         silent = self._is_silent()
         if silent is not None:
             return silent if self._is_used_by(controller) else None
-        # The robot is asked when it is idle; it is asked again in a later cycle.
+        # The robot is asked only while it is idle; the next cycles ask again.
         return self._hw.interruption_of(controller) if self.calls.is_idle() else None
 
     def _is_used_by(self, controller: ControllerInfo) -> bool:

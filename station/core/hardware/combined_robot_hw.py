@@ -58,7 +58,7 @@ class CombinedWorld(SimulatedWorld):
 
     @override
     def keyframes(self) -> Mapping[str, Mapping[str, float]]:
-        """Return the keyframes of all worlds; those of one name are put together."""
+        """Return the keyframes of all worlds; keyframes of one name are merged."""
         found: dict[str, dict[str, float]] = {}
         for _, world in self._worlds:
             for name, positions in world.keyframes().items():
@@ -91,7 +91,7 @@ class CombinedWorld(SimulatedWorld):
 
     @override
     def longest_period(self) -> float:
-        """Return the period of the world that waits least [s]."""
+        """Return the longest of the worlds' longest periods [s]."""
         return max(world.longest_period() for _, world in self._worlds)
 
 
@@ -127,7 +127,7 @@ class CombinedRobotHW(RobotHW):
 
         Raises:
             ParameterError: `robot_hardware` or a robot's `type` is missing.
-            HardwareInterfaceError: A robot's `init` failed. Those before it stay.
+            HardwareInterfaceError: A robot's `init` failed. Robots before it stay.
             StationError: There is no robot of that type.
         """
         for name in hw_params.get_str_list("robot_hardware"):
@@ -135,7 +135,7 @@ class CombinedRobotHW(RobotHW):
             robot = AsyncRobotHW.wrap(self._create(params.get_str("type")), params)
             try:
                 robot.init(root_params, params)
-            # It names its cause and a remedy already.
+            # Its message names the cause and a remedy already.
             except StationError:
                 raise
             except Exception as error:
@@ -148,10 +148,10 @@ class CombinedRobotHW(RobotHW):
             self.add_robot(name, robot)
 
     def add_robot(self, name: str, robot: RobotHW) -> None:
-        """Take in a robot that is initialised already.
+        """Add a robot that is initialised already.
 
         Args:
-            name: Its name.
+            name: Name of the robot.
             robot: The robot.
         """
         self.robots[name] = robot
@@ -169,7 +169,7 @@ class CombinedRobotHW(RobotHW):
 
     @override
     def check_period(self, period: float) -> None:
-        """Ask every robot.
+        """Ask every robot whether it can be run with a loop.
 
         Args:
             period: Nominal period of the loop [s], > 0.
@@ -182,7 +182,7 @@ class CombinedRobotHW(RobotHW):
 
     @override
     def components(self) -> Sequence[HardwareComponent]:
-        """Return one component per robot, by its name; those of one with several."""
+        """Return one component per robot, named after it, or several of its own."""
         found: list[HardwareComponent] = []
         for name, robot in self.robots.items():
             parts = robot.components()
@@ -195,7 +195,7 @@ class CombinedRobotHW(RobotHW):
     def check_for_conflict(
         self, controllers: Sequence[ControllerInfo]
     ) -> list[ResourceConflict]:
-        """Ask every robot about its part; a robot may allow more or less than others.
+        """Ask every robot about its part of the claims; robots have different rules.
 
         Args:
             controllers: All controllers that would be running after the switch.
@@ -203,7 +203,7 @@ class CombinedRobotHW(RobotHW):
         Returns:
             The conflicts of all robots, each once.
         """
-        # Robots may find the same conflict; a dict keeps one of each, in their order.
+        # Several robots may find the same conflict; a dict keeps each one once.
         conflicts: dict[ResourceConflict, None] = {}
         for robot in self.robots.values():
             for conflict in robot.check_for_conflict(_part_of(robot, controllers)):
@@ -247,8 +247,8 @@ class CombinedRobotHW(RobotHW):
             try:
                 robot.do_switch(_part_of(robot, start), _part_of(robot, stop))
             except Exception as error:  # noqa: BLE001 - raised again below
-                # Every robot switches: one left in its old mode would get commands of
-                # the new one.
+                # Switch the other robots, too: a robot that stays in its old mode would
+                # get commands for the new one.
                 failure = failure or error
         if failure is not None:
             raise failure
@@ -299,7 +299,7 @@ class CombinedRobotHW(RobotHW):
         """Return the worlds of all robots as one; None if a robot is real."""
         worlds = [(one, one.simulated_world()) for one in self.robots.values()]
         simulated = [(one, world) for one, world in worlds if world is not None]
-        # A pause or a reset of some robots would leave the real ones moving.
+        # A pause or a reset of the simulated robots would not stop the real ones.
         if not worlds or len(simulated) < len(worlds):
             return None
         return CombinedWorld(simulated)
@@ -320,7 +320,7 @@ class CombinedRobotHW(RobotHW):
 
     @override
     def mode(self) -> str:
-        """Return the mode all robots are in, else that of the first not running."""
+        """Return the mode of all robots, or that of the first one not running."""
         modes = [robot.mode() for robot in self.robots.values()]
         return next((mode for mode in modes if mode != "running"), "running")
 
@@ -337,8 +337,8 @@ def _part_of(
 ) -> list[ControllerInfo]:
     """Return the part of `controllers` that concerns `robot` (CM-112, CM-113).
 
-    Resources the robot does not have are left out, and controllers of which nothing
-    remains; a controller that claims nothing at all concerns every robot.
+    Resources that the robot does not have are left out, and so are controllers without
+    any remaining resource. A controller without claims concerns every robot.
     """
     parts: list[ControllerInfo] = []
     for controller in controllers:

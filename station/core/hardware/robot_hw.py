@@ -29,7 +29,7 @@ from station.reports import Clearance, HardwareTransmission
 
 
 class SceneGuard(ABC):
-    """Keeps an arm clear of a scene. Any thread, unless it says otherwise.
+    """Keeps an arm clear of a scene. For any thread, unless a method says otherwise.
 
     Attributes:
         arm_id: Name of the arm.
@@ -42,49 +42,50 @@ class SceneGuard(ABC):
         """Return the pose of the arm's flange in the world; control thread.
 
         Raises:
-            SceneRefusedError: The robot carries nothing.
+            SceneRefusedError: This robot can carry no objects.
         """
 
     @abstractmethod
     def links(self) -> Sequence[str]:
-        """Return the names of the links for which a role may count."""
+        """Return the names of the links to which a role of an object may apply."""
 
     @abstractmethod
     def knows(self, link: str) -> bool:
-        """Return whether a name in the `links` of an object is one of this robot."""
+        """Return whether a name in the `links` of an object is a link of this robot."""
 
     @abstractmethod
     def carry(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
-        """Return a function for the control thread that makes objects parts of the arm.
+        """Return a function, for the control thread, that adds objects to the arm.
 
-        All arms take their carried objects before `prepare` lets the scene count.
+        The functions of all arms are called before those of `prepare`.
 
         Args:
-            objects: All objects of the scene; those that the arm carries count.
+            objects: All objects of the scene; the arm takes those that it carries.
 
         Raises:
             RobotDescriptionError: A mesh cannot be used.
-            SceneRefusedError: No robot can carry an object.
+            SceneRefusedError: An object cannot be carried.
         """
 
     @abstractmethod
     def nearest_at(self, positions: Mapping[str, float]) -> Clearance | None:
-        """Return the nearest pair in another pose; for copies of a station only.
+        """Return the nearest pair in another pose; only in a copy of a station.
 
         Args:
-            positions: Joint name to position [rad]; others stay where they are.
+            positions: Joint name to position [rad]; other joints stay as they are.
         """
 
     @abstractmethod
     def prepare(
         self, objects: Sequence[SceneObject], arm_margin: float | None
     ) -> Callable[[], None]:
-        """Return a function for the control thread that lets these objects count.
+        """Return a function, for the control thread, that puts a scene into force.
 
         Args:
-            objects: All objects of the scene; those with the role `object` do not
-                count.
-            arm_margin: Distance that arms keep from each other [m]; None: none.
+            objects: All objects of the scene; objects with the role `object` are
+                ignored.
+            arm_margin: Distance that arms keep from each other [m]; None for no
+                distance.
 
         Raises:
             RobotDescriptionError: A mesh cannot be used.
@@ -93,13 +94,13 @@ class SceneGuard(ABC):
 
     @abstractmethod
     def report(self) -> Clearance | None:
-        """Return the nearest pair and its distance; None where nothing counts."""
+        """Return the nearest pair and its distance; None if there is no pair."""
 
 
 class SimulatedWorld(ABC):
     """The extras of a simulated robot: a time of its own, a scene, and a reset.
 
-    `RobotHW.simulated_world` hands it out; a real robot has none. All methods belong to
+    `RobotHW.simulated_world` returns it; a real robot has none. All methods belong to
     the control thread, between two cycles or within one.
     """
 
@@ -122,14 +123,14 @@ class SimulatedWorld(ABC):
         """
 
     def keyframes(self) -> Mapping[str, Mapping[str, float]]:
-        """Return the poses that have a name: joint name to position [rad or m]."""
+        """Return the named poses: joint name to position [rad or m]."""
         return {}
 
     def place_object(self, name: str, pose: Pose) -> None:
-        """Put a solid object somewhere else, at rest.
+        """Move a solid object to another pose, at rest.
 
         Args:
-            name: Its name.
+            name: Name of the object.
             pose: Pose of its middle in the world.
 
         Raises:
@@ -145,7 +146,7 @@ class SimulatedWorld(ABC):
         return ()
 
     def bases(self) -> Sequence[MovingBaseReport]:
-        """Return the poses of the robots' moving root links; without the fixed ones."""
+        """Return the poses of root links of robots that are not fixed to the world."""
         return ()
 
     def contacts(self) -> Sequence[ContactReport]:
@@ -153,11 +154,11 @@ class SimulatedWorld(ABC):
         return ()
 
     def distances(self) -> Callable[[], tuple[str, str, float] | None]:
-        """Return a function that finds the bodies nearest to the links of a robot.
+        """Return a function that finds the body nearest to the links of a robot.
 
-        It returns the names of a link and of a solid body that belongs to no robot, or
-        to another one, and their distance [m]; None where there is none. Pairs that
-        touch now do not count.
+        It returns the name of a link, the name of a solid body that belongs to no robot
+        or to another one, and their distance [m]; None if there is no such pair. Pairs
+        that touch when this method is called are ignored.
         """
         return lambda: None
 
@@ -167,17 +168,17 @@ class SimulatedWorld(ABC):
         margin: float,
         carried: Mapping[str, str] | None = None,
     ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
-        """Return a function that finds bodies that would be near each other in a pose.
+        """Return a function that finds the bodies that are near each other in a pose.
 
-        It takes positions of the joints [rad or m] and returns names of two bodies and
-        their distance [m], negative inside of each other, for each pair below the
-        margin. For copies of a station only: the world stays in that pose.
+        It takes positions of the joints [rad or m]. For each pair of bodies below the
+        margin it returns both names and the distance [m], negative if they overlap. For
+        copies of a station only, because the world stays in that pose.
 
         Args:
-            joints: Names of joints; the others stay where they are.
+            joints: Names of joints; other joints stay as they are.
             margin: Distance below which bodies are near [m], > 0.
-            carried: Link that carries a solid object, by the object's name; the object
-                moves with the link from where it is now.
+            carried: Name of a solid object to the link that carries it; the object
+                moves with the link from its present pose.
 
         Raises:
             HardwareInterfaceError: A joint is not in the world.
@@ -186,17 +187,17 @@ class SimulatedWorld(ABC):
         return lambda _: ()
 
     def longest_period(self) -> float:
-        """Return the most time that may pass in one cycle of the loop [s], > 0.
+        """Return the longest time that may pass in one cycle of the loop [s], > 0.
 
         A world may wait for a loop that is very late; station time then stands still,
-        too. The default is infinity: the world never waits.
+        too. By default it is infinite: the world never waits.
         """
         return inf
 
 
 @dataclass(frozen=True, slots=True)
 class InterfaceResources:
-    """The resources a controller claims through one interface.
+    """The resources that a controller claims through one interface.
 
     Attributes:
         hardware_interface: Wire name, e.g. `hardware_interface::EffortJointInterface`.
@@ -215,8 +216,8 @@ class ControllerInfo:
         name: Name under which it is loaded.
         type: Its type, `package/Class`.
         claimed_resources: One entry per hardware interface it uses.
-        references: References of other controllers that it claims, by their full names;
-            not the robot's business.
+        references: Full names of the references of other controllers that it claims;
+            the robot ignores them.
     """
 
     name: str
@@ -249,8 +250,8 @@ class HardwareComponent:
         robot: The robot whose hooks are called.
         type: `system`, `actuator` or `sensor`.
         plugin: Class of its robot, `package/Class` or `module:Class`.
-        resources: Names of its resources; None for all of the robot.
-        key: Name by which the hooks of the robot know it; empty for `name`.
+        resources: Names of its resources; None for all resources of the robot.
+        key: Name of the component in the robot's own hooks; empty if it is `name`.
     """
 
     name: str
@@ -272,16 +273,16 @@ class SwitchState(Enum):
 class RobotClock(Protocol):
     """Paces a control thread in the place of the wall clock. Control thread only.
 
-    A real arm has a clock, and a loop with another clock would see some of its states
-    twice or never. So the loop waits for the arm.
+    A real arm has its own clock. A loop with another clock would see some of the arm's
+    states twice or not at all, so the loop waits for the arm.
     """
 
     def wait(self) -> int:
         """Wait for the robot's next state, some milliseconds at most.
 
         Returns:
-            How many of its cycles have passed since the last call: usually 1, 0 if no
-            state came. A robot that is lost lets time pass, so that the cycles go on.
+            Number of the robot's cycles since the last call: usually 1, or 0 if no
+            state came. While the robot is lost time passes, so that cycles continue.
         """
 
 
@@ -299,11 +300,11 @@ class RobotHW(InterfaceManager):
     `switch_result` when a switch is pending, `write`.
 
     Time: the state that `read` brings belongs to the station time of the same cycle.
-    The commands of a `write` act from then on until the next `write`, so their effect
-    shows in the `read` of the next cycle. A simulated robot therefore lets its world go
-    on in `read`, under the commands of the cycle before: when a cycle is late, the old
-    commands act for longer, as they do on a real robot. In a cycle whose period is zero
-    no time passes.
+    The commands of a `write` act until the next `write`, so their effect shows in the
+    `read` of the next cycle. A simulated robot therefore advances its world in `read`,
+    under the commands of the cycle before: when a cycle is late, the old commands act
+    for longer, as they do on a real robot. In a cycle whose period is zero no time
+    passes.
     """
 
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -338,43 +339,43 @@ class RobotHW(InterfaceManager):
         """
 
     def components(self) -> Sequence[HardwareComponent]:
-        """Return the parts with a life cycle of their own; settled in `init`.
+        """Return the parts with a life cycle of their own; fixed after `init`.
 
-        The default is one component of the name `robot`.
+        By default there is one component, of the name `robot`.
         """
         kind = type(self)
         plugin = f"{kind.__module__}:{kind.__qualname__}"
         return (HardwareComponent("robot", self, plugin=plugin),)
 
-    # The hooks of the life cycle, each for the component of a name. They are called
-    # outside of the control thread and may block; the cycles go on meanwhile. To refuse
-    # a change, and stay as before, a hook raises a StationError; any other exception is
-    # an error, which `on_error` deals with.
+    # The hooks of the life cycle. The manager calls them for a component by name,
+    # outside of the control thread; they may block, and the cycles continue meanwhile.
+    # A hook refuses a change by a StationError, and the component stays as before. Any
+    # other exception is an error, which `on_error` handles.
 
     def on_configure(self, component: str) -> None:
         """Make the hardware readable: from unconfigured to inactive."""
 
     def on_cleanup(self, component: str) -> None:
-        """Take back `on_configure`: from inactive to unconfigured."""
+        """Undo `on_configure`: from inactive to unconfigured."""
 
     def on_activate(self, component: str) -> None:
-        """Let the hardware take commands: from inactive to active."""
+        """Let the hardware accept commands: from inactive to active."""
 
     def on_deactivate(self, component: str) -> None:
         """Let the hardware refuse further commands: from active to inactive."""
 
     def on_shutdown(self, component: str) -> None:
-        """Let the hardware go for good: from any state to finalized."""
+        """Release the hardware for good: from any state to finalized."""
 
     def on_error(self, component: str, problem: str) -> None:
-        """Deal with an error of another hook: to unconfigured.
+        """Handle an error of another hook; the component becomes unconfigured.
 
         Args:
             component: Name of the component.
             problem: The error, in words.
 
         Raises:
-            Exception: The hardware cannot be used any more; it is finalized.
+            Exception: The hardware cannot be used any more; it becomes finalized.
         """
 
     def check_for_conflict(
@@ -382,10 +383,9 @@ class RobotHW(InterfaceManager):
     ) -> list[ResourceConflict]:
         """Return the conflicts among controllers that would run together.
 
-        The default: every resource has at most one claim, whatever the interface
-        (CM-52 … CM-57). Override it for a robot that allows more or less. Called by
-        any thread, also in the control thread when a fallback is to take over: it
-        must answer at once.
+        By default every resource has at most one claim, whatever the interface (CM-52 …
+        CM-57). Override it for a robot that allows more or less. Called in any thread,
+        also in the control thread before a fallback takes over: it must answer at once.
 
         Args:
             controllers: All controllers that would be running after the switch.
@@ -408,7 +408,7 @@ class RobotHW(InterfaceManager):
         ]
 
     def check_period(self, period: float) -> None:
-        """Refuse a loop that the robot cannot be run with; once, after `init`.
+        """Refuse a loop that does not suit the robot; called once, after `init`.
 
         Args:
             period: Nominal period of the loop [s], > 0.
@@ -421,7 +421,7 @@ class RobotHW(InterfaceManager):
         """Return command lines that make the drivers of a real robot hold it.
 
         A process beside the station runs them, without a shell, when the control loop
-        stands still; so each must work without the station, must be harmless when it is
+        stands still. So each must work without the station, must be harmless if it is
         repeated, and must end within 1 s. A simulated robot needs none: its world
         stands still with the loop.
         """
@@ -437,7 +437,7 @@ class RobotHW(InterfaceManager):
             stop: Controllers that are running and will be stopped.
 
         Raises:
-            SwitchRefusedError: The hardware cannot do it; nothing has changed.
+            SwitchRefusedError: The hardware cannot do the switch; nothing has changed.
         """
 
     def do_switch(
@@ -446,8 +446,8 @@ class RobotHW(InterfaceManager):
         """Begin the mode switch of the hardware, in the control thread.
 
         Must not fail. It is also called without `prepare_switch`: with an empty
-        `start`, to take a failed controller off the hardware at once; for the
-        fallback of such a controller; and to take a switch back whose start failed.
+        `start`, to take a failed controller off the hardware at once; to start its
+        fallback; and to take back a switch in which a start failed.
         """
 
     def switch_result(self) -> SwitchState:
@@ -459,19 +459,19 @@ class RobotHW(InterfaceManager):
         return SwitchState.DONE
 
     def joint_limits(self) -> Sequence[JointLimitsReport]:
-        """Return the limits it enforces; settled in `init`. Any thread."""
+        """Return the limits that the robot enforces; fixed after `init`. Any thread."""
         return ()
 
     def transmissions(self) -> Sequence[HardwareTransmission]:
-        """Return its transmissions; settled in `init`. Any thread."""
+        """Return the robot's transmissions; fixed after `init`. Any thread."""
         return ()
 
     def repairs(self) -> Sequence[Repair]:
-        """Return the changes that made a description usable; settled in `init`."""
+        """Return the changes that made the description usable; fixed after `init`."""
         return ()
 
     def clamps(self) -> Sequence[ClampReport]:
-        """Return the commands that limits have cut off. Any thread."""
+        """Return which commands limits have changed, and how often. Any thread."""
         return ()
 
     def is_interrupted(self) -> bool:
@@ -492,35 +492,35 @@ class RobotHW(InterfaceManager):
     def robot_clock(self) -> RobotClock | None:
         """Return the clock that paces the control thread; None for the wall clock.
 
-        The same object from `init` on.
+        It is the same object from `init` on.
         """
         return None
 
     def close(self) -> None:
-        """Let the hardware go, once nothing uses this robot any more."""
+        """Release the hardware, once nothing uses this robot any more."""
 
     def simulated_world(self) -> SimulatedWorld | None:
         """Return the simulated world of the robot; None for a real robot.
 
-        The same object from `init` on.
+        It is the same object from `init` on.
         """
         return None
 
     def guards(self) -> Sequence[SceneGuard]:
         """Return the guards that keep this robot clear of a scene; may be empty.
 
-        The same objects from `init` on.
+        They are the same objects from `init` on.
         """
         return ()
 
     def unguarded(self) -> Sequence[str]:
-        """Return the robots that no guard keeps clear; this one has the empty name."""
+        """Return the names of robots without a guard; this one has the empty name."""
         return () if self.guards() else ("",)
 
     def address(self) -> str:
         """Return the address of a real robot, e.g. its IP; empty for a simulated one.
 
-        People read it beside REAL ARM, so that they know which robot will move.
+        People read it next to REAL ARM, so that they know which robot will move.
         """
         return ""
 

@@ -1,4 +1,4 @@
-"""A robot's report on itself: limits, transmissions, cut-off commands, scene."""
+"""A robot's report on itself: limits, transmissions, clamped commands, scene."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,10 +14,11 @@ class JointLimitsReport:
     Attributes:
         joint: Name of the joint.
         limits: Hard limits.
-        soft_limits: Soft limits, before which the joint is slowed down; None without.
-        sources: Source of each kind of limit, such as "urdf limit" or
-            "parameters"; keys are "position", "velocity", "acceleration", "jerk",
-            "effort" and "soft", as far as there is such a limit.
+        soft_limits: Soft limits, before which the joint is slowed down; None if the
+            joint has none.
+        sources: Source of each kind of limit that the joint has, such as "urdf limit"
+            or "parameters"; keys are "position", "velocity", "acceleration", "jerk",
+            "effort" and "soft".
     """
 
     joint: str
@@ -28,12 +29,12 @@ class JointLimitsReport:
 
 @dataclass(frozen=True, slots=True)
 class ClampReport:
-    """The number of a joint's commands that limits have cut off.
+    """The commands of a joint that limits have changed.
 
     Attributes:
         hardware_interface: The interface that was commanded.
-        count: Number of cycles since the station started, > 0.
-        last: The latest occurrence.
+        count: Number of cycles with such a command since the station started, > 0.
+        last: The latest such command.
     """
 
     hardware_interface: str
@@ -52,12 +53,12 @@ class SceneObjectReport:
             cylinder [m]; empty for a mesh.
         position: Position of its centre in the world [m], shape (3,).
         orientation: Unit quaternion x, y, z, w in the world.
-        mass: [kg]; 0 for an object that cannot move.
+        mass: Mass [kg]; 0 for an object that cannot move.
         file: File of a mesh.
         role: `object`, `keep_out` or `fence`.
         margin: Distance that arms keep from it, unless it is an `object` [m].
         links: Links that the role is for; empty for all.
-        colour: Red, green and blue, 0 to 255; empty for the one of its role.
+        colour: Red, green and blue, 0 to 255; empty for the colour of its role.
         solid: Whether a simulated robot can touch it.
         carried_by: Name of the arm that carries it; empty for none.
     """
@@ -79,7 +80,7 @@ class SceneObjectReport:
 
 @dataclass(frozen=True, slots=True)
 class MovingBaseReport:
-    """The root link of a simulated robot that is not fixed to the world, where it is.
+    """The pose of a simulated robot's root link that is not fixed to the world.
 
     Attributes:
         link: Name of the root link.
@@ -111,7 +112,7 @@ class ContactReport:
 def limit_values(
     limits: JointLimits, soft_limits: SoftJointLimits | None
 ) -> dict[str, object]:
-    """Return the limits that are set, by kind, to be compared with others.
+    """Return the limits that are set, by kind, so that they can be compared.
 
     Args:
         limits: Hard limits.
@@ -135,19 +136,19 @@ def limit_values(
 def report_clamps(
     handles: Mapping[tuple[str, str], JointLimitsHandle],
 ) -> list[ClampReport]:
-    """Return the commands that limits have cut off. Any thread.
+    """Return the commands that limits have changed. Any thread.
 
     Args:
-        handles: The limits by joint and hardware interface; not changed any more.
+        handles: The limits by joint and hardware interface; the mapping is final.
 
     Returns:
-        One entry per handle that has cut off a command.
+        One entry per handle that has changed a command.
     """
     reports = []
     for (_, hardware_interface), handle in handles.items():
         last = handle.last_clamp
         if last is not None:
-            # Counted after it is kept: the count may be one behind, never 0.
+            # The count grows after the clamp is stored, so it may be one behind.
             count = max(1, handle.clamp_count)
             reports.append(ClampReport(hardware_interface, count, last))
     return reports

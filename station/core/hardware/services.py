@@ -1,4 +1,4 @@
-"""Services: operations of a robot besides the commands of controllers.
+"""Services: operations of a robot that are not commands of controllers.
 
 A service is a method of a `RobotServices` handle, declared once with `@service`. The
 method's name, parameters and docstring are all that the API, its documentation, the
@@ -30,7 +30,7 @@ class ServiceKind(Enum):
     QUERY = "query"
     """The service answers a question and changes nothing; it has no parameters."""
     SETTING = "setting"
-    """The service sets a value; a second call with it changes nothing."""
+    """The service sets a value; a second call with the same value changes nothing."""
     ACTION = "action"
     """The service acts; every call acts again."""
 
@@ -45,7 +45,7 @@ class Service:
         moves: Whether a call can move the robot and is refused while the station is
             stopped.
         description: The method's docstring without its sections.
-        parameters: The parameters by name, with evaluated annotations and defaults.
+        parameters: Signature of each parameter by name, with evaluated annotations.
         returns: Annotation of the returned value; None for a method without value.
     """
 
@@ -68,7 +68,8 @@ def service(
     """Declare a method of a `RobotServices` class as a service.
 
     The method runs in the control thread between two cycles: it must be short and must
-    not wait. It refuses with an error of `station.core.errors`, having changed nothing.
+    not wait. To refuse, it raises an error of `station.core.errors` before it has
+    changed anything.
     Parameters and the returned value have types of JSON: numbers, text, truth values,
     None, lists and dictionaries of these.
 
@@ -87,8 +88,8 @@ def service(
 class RobotServices(ResourceHandle):
     """Services of one robot, under the robot's name.
 
-    A robot registers one in a `RobotServicesInterface`. A class that overrides a
-    declared method keeps its declaration.
+    A robot registers it in a `RobotServicesInterface`. If a class overrides a declared
+    method, the method stays a service.
     """
 
     @classmethod
@@ -110,7 +111,7 @@ class RobotServicesInterface(HardwareResourceManager[RobotServices]):
 
 
 def find_services(robot: InterfaceManager) -> list[RobotServices]:
-    """Return all services of a `RobotHW`, whichever interface has them."""
+    """Return the services in all interfaces of a `RobotHW`."""
     interfaces = (robot.get(kind) for kind in robot.interface_types())
     return [
         handle
@@ -126,10 +127,10 @@ class InterruptibleServices(RobotServices, ABC):
 
     @abstractmethod
     def interrupt(self, reason: str) -> None:
-        """End a motion; control thread only.
+        """End a motion that is under way; control thread only.
 
         Args:
-            reason: Why, one sentence.
+            reason: Why it ends, in one sentence.
         """
 
 
@@ -138,15 +139,15 @@ class RecoverableRobot(RobotServices, ABC):
 
     @abstractmethod
     def remedy(self) -> str | None:
-        """Return the step needed before the robot can move, or None. Any thread."""
+        """Return the step needed before the robot can move; None if there is none."""
 
     @abstractmethod
     def is_recovering(self) -> bool:
-        """Return whether a recovery has begun and not ended. Any thread."""
+        """Return whether a recovery is under way. Any thread."""
 
     @abstractmethod
     def check_recovery(self) -> None:
-        """Refuse when the robot cannot recover now; a robot without errors can.
+        """Refuse if the robot cannot recover now; a robot without errors can.
 
         Raises:
             ArmCommandError: The robot cannot recover, e.g. because the user stop is

@@ -1,7 +1,7 @@
-"""Slots, where a robot keeps single numbers, and runs of slots that lie side by side.
+"""Slots, in which a robot keeps single numbers, and runs of adjacent slots.
 
-Adjacent numbers are read and written at once, which is faster than number by
-number. Views of one block of doubles may be neighbours, too.
+Adjacent numbers are read and written at once, which is faster than one by one. Views of
+the same block of doubles may be adjacent, too.
 """
 
 from collections.abc import Iterable
@@ -14,7 +14,7 @@ from station.memory.doubles import Doubles, Storage
 
 Slot: TypeAlias = tuple[Storage, int]
 """A storage and an index into it."""
-# Identity of what holds a slot, and the slot's place in it.
+# Identity of the memory that holds a slot, and the slot's place in it.
 _Place: TypeAlias = tuple[int, int]
 
 _BYTES = 8
@@ -28,9 +28,9 @@ class SlotRun:
 
     Attributes:
         slots: As given.
-        storage: A list that holds them, or doubles.
-        begin: Index of the first one in `storage`.
-        end: Index after the last one.
+        storage: List or doubles that hold all of the slots.
+        begin: Index of the first slot in `storage`.
+        end: Index after the last slot.
     """
 
     def __init__(self, slots: list[Slot]) -> None:
@@ -38,7 +38,7 @@ class SlotRun:
         storage, begin = slots[0]
         end = begin + len(slots)
         if end > len(storage) and not isinstance(storage, list):
-            # They reach into another view of the same memory.
+            # The slots reach into another view of the same memory.
             begin, storage = _place(storage) + begin, _all_of(storage)
             end = begin + len(slots)
         self.storage: Storage = storage
@@ -46,14 +46,14 @@ class SlotRun:
 
     @property
     def view(self) -> Doubles | None:
-        """The slots themselves; None if a list holds them."""
+        """Memory of the slots; None if a list holds them."""
         if isinstance(self.storage, list):
             return None
         return self.storage[self.begin : self.end]
 
 
 def side_by_side(slots: Iterable[Slot]) -> list[SlotRun]:
-    """Return the slots as few runs, in their order."""
+    """Return the slots as a few runs, in their order."""
     found: list[list[Slot]] = []
     places = _Places()
     due: _Place | None = None
@@ -89,7 +89,7 @@ class _Places:
 
 def _base(storage: Storage) -> _Place:
     """Return the identity of a storage's memory, and the storage's offset in it."""
-    # Only memory that may be written tells its address; any other has no neighbours.
+    # Only writable memory tells its address; any other memory has no neighbours.
     if isinstance(storage, list) or not isinstance(storage.obj, bytearray):
         return id(storage), 0
     return id(storage.obj), _place(storage)
@@ -101,7 +101,7 @@ def _place(view: Doubles) -> int:
 
 
 def _all_of(view: Doubles) -> Doubles:
-    """Return a view of all the memory that a view is a part of."""
+    """Return a view of the whole memory to which a view belongs."""
     return memoryview(view.obj).cast("d")
 
 

@@ -1,4 +1,4 @@
-"""A registry of hardware interfaces by type, also over several managers.
+"""A registry of hardware interfaces by type, which can include other registries.
 
 Source: ros_control@0.20.0 hardware_interface/internal/interface_manager.h.
 """
@@ -101,8 +101,8 @@ class InterfaceManager:
     def get_interface_resources(self, type_name: str) -> list[str]:
         """Return the resource names of the interface type named `type_name`.
 
-        The names of all providers come in order. There are none if the type is unknown
-        or its interface holds no resources.
+        The names come provider by provider. The list is empty if the type is unknown or
+        its interface holds no resources.
         """
         names: list[str] = []
         for interface_type in self.interface_types():

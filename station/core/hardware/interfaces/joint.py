@@ -120,7 +120,7 @@ class CommandedJointHandle(JointStateHandle):
 
     Args:
         state: State handle of the joint.
-        index: The joint's slot in the lists of commands; None takes that of the state.
+        index: The joint's slot in the lists of commands; None takes its state's slot.
 
     Attributes:
         command_index: The joint's slot in the lists of commands.
@@ -146,12 +146,12 @@ class CommandedJointHandle(JointStateHandle):
             command: The command.
 
         Raises:
-            InvalidCommandError: The command is no number; a list stores any object,
-                and the command is then refused before it reaches the robot.
+            InvalidCommandError: The command is not a number. Only doubles refuse it
+                here: a list stores any object, which is refused before `write`.
         """
         try:
             storage[self.command_index] = command
-        # The slot refuses what is no float by itself: a check would cost every command.
+        # Doubles refuse other objects themselves: a check would slow every command.
         except TypeError:
             refuse_non_number(self.name, command)
 
@@ -162,7 +162,7 @@ class JointHandle(CommandedJointHandle):
     Args:
         state: State handle of the joint.
         command: The robot's commands of one kind.
-        index: The joint's slot in `command`; None takes that of the state.
+        index: The joint's slot in `command`; None takes its state's slot.
 
     Raises:
         HardwareInterfaceError: `command` is None or has no slot `index`.
@@ -187,7 +187,7 @@ class JointHandle(CommandedJointHandle):
         """Set the command, in the unit of the interface.
 
         Raises:
-            InvalidCommandError: The command is no number.
+            InvalidCommandError: The command is not a number.
         """
         try:
             self.command_storage[self.command_index] = command
@@ -250,8 +250,8 @@ class ActuatorStateHandle(JointStateHandle):
     """Reads the state of one actuator.
 
     Arguments, storage and errors are those of `JointStateHandle`. Positions, velocities
-    and efforts are those of the motor's shaft, on the other side of the gears. Asking
-    for a handle claims nothing, because actuators are claimed through their joints.
+    and efforts are those of the motor's shaft, before the gears. Asking for a handle
+    claims nothing, because actuators are claimed through their joints.
 
     Source:
         ros_control@633c374 hardware_interface/actuator_state_interface.h,

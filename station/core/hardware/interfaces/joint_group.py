@@ -23,8 +23,8 @@ class _Column:
     """One quantity of a group of joints.
 
     Attributes:
-        read: Return the values, shape (n,), a new list.
-        view: The values themselves, if they lie side by side in a block of doubles.
+        read: Returns the values, shape (n,), a new list.
+        view: Memory of the values, if they lie side by side in doubles; else None.
         slots: Memory of the values, as (storage, index).
     """
 
@@ -48,7 +48,7 @@ class _Column:
 
     def write(self, values: list[float]) -> None:
         if self.view is not None:
-            # An array refuses what is no number before any joint is commanded.
+            # The array refuses a value that is not a number, before any joint moves.
             self.view[:] = array("d", values)
         elif self._list is not None and self._slice is not None:
             self._list[self._slice] = values
@@ -62,14 +62,15 @@ class JointStateGroup:
 
     Attributes:
         names: Names of the joints.
-        get_positions: Return the positions [rad or m], shape (n,), a new list.
-        get_velocities: Return the velocities [rad/s or m/s], shape (n,), a new list.
-        get_efforts: Return the efforts [Nm or N], shape (n,), a new list.
-        positions: The positions themselves, if the robot keeps them side by side in a
-            block of doubles; otherwise None. The same for `velocities` and `efforts`.
-        blocks: Memory of the states, positions, velocities and efforts one after the
-            other: memory of the robot, as few blocks as it allows, or copies.
-        refresh: Brings copies up to date; None if there are none.
+        get_positions: Returns the positions [rad or m], shape (n,), a new list.
+        get_velocities: Returns the velocities [rad/s or m/s], shape (n,), a new list.
+        get_efforts: Returns the efforts [Nm or N], shape (n,), a new list.
+        positions: Memory of the positions, if the robot keeps them side by side in
+            doubles; otherwise None. `velocities` and `efforts` likewise.
+        blocks: Memory of the states: positions, velocities and efforts one after the
+            other, in as few blocks as possible. A block is the robot's memory or a
+            copy.
+        refresh: Brings the copies up to date; None if there are none.
     """
 
     def __init__(self, handles: Sequence[JointStateHandle]) -> None:
@@ -105,8 +106,8 @@ class JointGroup(JointStateGroup):
     """Reads and commands several joints, in the order of `handles`.
 
     Attributes:
-        get_commands: Return the values commanded last, shape (n,), a new list.
-        commands: The commands themselves, as `positions`.
+        get_commands: Returns the values commanded last, shape (n,), a new list.
+        commands: Memory of the commands, as for `positions`.
     """
 
     def __init__(self, handles: Sequence[JointHandle]) -> None:
@@ -127,7 +128,7 @@ class JointGroup(JointStateGroup):
 
         Raises:
             ValueError: `commands` has another length than the group.
-            InvalidCommandError: A command is no number.
+            InvalidCommandError: A command is not a number.
         """
         if len(commands) != self._size:
             raise ValueError(

@@ -54,7 +54,7 @@ class PosVelJointHandle(CommandedJointHandle):
         self.add_command("Command velocity ", velocity)
 
     def add_command(self, what: str, storage: Storage | None) -> None:
-        """Add a quantity to those that the handle commands; for constructors.
+        """Add a quantity that the handle commands; for constructors.
 
         Args:
             what: Name of the quantity in an error message, as the original spells it.
@@ -211,8 +211,8 @@ class PosVelFamilyInterface(HardwareResourceManager[PosVelH]):
     Asking for a handle claims the joint, which rests at its present position.
 
     Attributes:
-        further_jumps: Largest distances from rest of the first commands after position
-            and velocity.
+        further_jumps: Largest distances from rest of the first commands, for the
+            quantities after position and velocity.
     """
 
     claims_resources: ClassVar[bool] = True

@@ -30,8 +30,9 @@ class ResourceHandle:
     def command_slots(self) -> list[tuple[Storage, int]]:
         """Return the places that this handle commands, as (storage, index) pairs.
 
-        The controller manager checks them in every cycle: a value that is not finite
-        stops the controller that wrote it. A handle that only reads has none.
+        The controller manager checks these places in every cycle: a value that is not
+        finite stops the controller that wrote it. A handle that only reads has no such
+        place.
         """
         return []
 
@@ -53,7 +54,7 @@ def check_storage(
         what: Name of the stored quantity in the error message.
         storage: The storage.
         index: The slot.
-        kind: The word of the original's message for the storage.
+        kind: Word for the storage in the original's message.
 
     Raises:
         HardwareInterfaceError: The storage is None, or `index` is outside of it.
@@ -78,10 +79,10 @@ H = TypeVar("H", bound=ResourceHandle)
 
 
 class ResourceManager(Generic[H]):
-    """A set of handles by name. Filled by the robot, read by controllers.
+    """A set of handles by name. The robot fills it, controllers read it.
 
     Attributes:
-        type_name: Name on the wire, as ros_control demangles it.
+        type_name: Name on the wire, as ros_control writes it.
     """
 
     type_name: ClassVar[str] = ""
@@ -126,8 +127,8 @@ class ResourceManager(Generic[H]):
 class _Claims(threading.local):
     """The names that this thread has claimed.
 
-    Several controllers are initialised at once, each in a thread of its own: their
-    claims must not mix.
+    Several controllers may be initialised at the same time, each in its own thread, and
+    their claims must not mix.
     """
 
     def __init__(self) -> None:
@@ -174,8 +175,8 @@ class HardwareResourceManager(ResourceManager[H]):
     def origin(self, name: str) -> "HardwareResourceManager[H]":
         """Return the manager in which `name` was first registered.
 
-        An interface that combines those of several robots returns the robot's own one,
-        because only that knows the commands at which its resources rest.
+        An interface that combines those of several robots returns the interface of the
+        robot itself, because only that one knows the rest commands of its resources.
         """
         return self._origins.get(name, self)
 

@@ -90,17 +90,17 @@ SEMANTIC_VALUES: Mapping[str, tuple[str, ...]] = {
     "gps": ("status", "service", "latitude", "longitude", "altitude"),
     "battery": ("battery_voltage",),
 }
-"""The values that every sensor of a kind has: [m]; [T]; numbers of NavSatStatus,
-degrees, [m]; [V]."""
+"""The values of every sensor of a kind: [m]; [T]; numbers of NavSatStatus, degrees,
+[m]; [V]."""
 
 
 class GpioStateHandle(ResourceHandle):
     """Reads one input or output.
 
     Args:
-        name: `<gpio>/<interface>`, e.g. `flange/vacuum`.
+        name: Name of the form `<gpio>/<interface>`, e.g. `flange/vacuum`.
         states: The robot's storage of values.
-        index: Its slot.
+        index: Slot of the value in the storage.
 
     Raises:
         HardwareInterfaceError: The storage is None or has no such slot.
@@ -126,10 +126,10 @@ class GpioCommandHandle(ResourceHandle):
     """Commands one output.
 
     Args:
-        name: `<gpio>/<interface>`.
+        name: Name of the form `<gpio>/<interface>`.
         commands: The robot's storage of commands.
         present: The robot's storage of the outputs' present values.
-        index: Its slot in both.
+        index: Slot in both storages.
 
     Raises:
         HardwareInterfaceError: A storage is None or has no such slot.
@@ -151,7 +151,7 @@ class GpioCommandHandle(ResourceHandle):
         """Set the command; 0 and 1 for false and true.
 
         Raises:
-            InvalidCommandError: The command is no number.
+            InvalidCommandError: The command is not a number.
         """
         try:
             self._commands[self._index] = command
@@ -168,7 +168,7 @@ class GpioCommandHandle(ResourceHandle):
 
 
 class GpioCommandInterface(HardwareResourceManager[GpioCommandHandle]):
-    """Outputs by `<gpio>/<interface>`; asking for a handle claims it.
+    """Outputs by `<gpio>/<interface>`; asking for a handle claims the output.
 
     An output without an owner keeps its value: a gripper must not drop its load because
     a controller has ended.

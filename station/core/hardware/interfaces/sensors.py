@@ -22,7 +22,7 @@ class ForceTorqueSensorHandle(ResourceHandle):
         force: The robot's storage of the force [N], shape (3,).
         torque: The robot's storage of the torque [Nm], shape (3,).
         is_reaction: Whether the values are the force that holds the part behind the
-            sensor; otherwise they are the force on that part, which has the other sign.
+            sensor. Otherwise they are the force on that part, with the opposite sign.
 
     Attributes:
         is_reaction: As given.
@@ -73,9 +73,9 @@ class ImuSensorHandle(ResourceHandle):
         frame_id: Frame of the sensor.
         orientation: Quaternion x, y, z, w as in sensor_msgs/Imu, shape (4,).
         orientation_covariance: Row-major about x, y, z [rad^2], shape (9,).
-        angular_velocity: [rad/s], shape (3,).
+        angular_velocity: Angular velocity [rad/s], shape (3,).
         angular_velocity_covariance: Row-major [rad^2/s^2], shape (9,).
-        linear_acceleration: [m/s^2], shape (3,).
+        linear_acceleration: Linear acceleration [m/s^2], shape (3,).
         linear_acceleration_covariance: Row-major [m^2/s^4], shape (9,).
 
     Raises:

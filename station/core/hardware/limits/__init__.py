@@ -1,6 +1,6 @@
 """Joint limits, and the handles that enforce them.
 
-The handles act in `RobotHW.write`, after the controllers. The equations are in
+`RobotHW.write` enforces them, after the controllers. The equations are in
 `limited_joints` and `rate_limits`.
 """
 

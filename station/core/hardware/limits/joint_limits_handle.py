@@ -44,10 +44,10 @@ from station.memory.doubles import Storage, own_block, put
 
 
 class Arithmetic(Protocol):
-    """Makes the limits of one kind, in memory of the caller; see `LimitedJoints`."""
+    """Makes limits of one kind over memory that the caller owns."""
 
     def __call__(self, views: Mapping[str, Storage]) -> LimitedJoints:
-        """Return the limits."""
+        """Return the limits of the joints with these views; see `LimitedJoints`."""
 
 
 _OTHERS = ("position", "velocity", "command", "asked", "reason")
@@ -56,8 +56,8 @@ _OTHERS = ("position", "velocity", "command", "asked", "reason")
 class JointLimitsGroup:
     """Joints whose limits are of one kind, and the memory of their commands.
 
-    Joints that lie side by side in a robot's doubles are limited in place. Values of
-    other joints are copied to and fro.
+    Joints that lie side by side in a robot's doubles are limited in place. The values
+    of other joints are copied in and out.
 
     Args:
         arithmetic: The kind of limits.
@@ -148,7 +148,7 @@ _REASONS = tuple(ClampReason)
 
 @dataclass(frozen=True, slots=True)
 class Clamp:
-    """A command that was changed: the controller's and the one the joint got instead.
+    """A command that limits have changed: its values before and after.
 
     Attributes:
         joint: Name of the joint.
@@ -169,23 +169,24 @@ class JointLimitsHandle(ResourceHandle):
     Contract: `enforce_limits` is called by the control thread in `RobotHW.write`, with
     this cycle's state and command in the joint's slots; it allocates nothing unless it
     clamps. `reset` is called on a mode switch, an emergency stop or a recovery. The
-    clamp figures may be read by any thread. A NaN command passes through unchanged and
-    is not counted, as in the original: the robot and the manager refuse it.
+    clamp figures may be read by any thread. A NaN command passes unchanged and is not
+    counted, as in the original; the robot and the manager refuse it.
 
-    A kind of limits names its arithmetic, or overrides `enforce_limits`. Arithmetic of
-    one kind runs for all joints of a `JointLimitsInterface` in one call.
+    A kind of limits sets `arithmetic`, or overrides `enforce_limits`. A
+    `JointLimitsInterface` runs the arithmetic of one kind for all its joints in one
+    call.
 
     Args:
         joint: The joint's state and command, in the unit of the joint's command.
         limits: The joint's limits, read once.
-        soft_limits: Range and gains of a kind that slows the joint down.
+        soft_limits: Range and gains of the soft limits; None without soft limits.
 
     Attributes:
-        arithmetic: The compiled arithmetic; that of the base class limits nothing.
+        arithmetic: The compiled arithmetic; in this base class it limits nothing.
         required: The limits that the joint must have, such as "velocity".
-        unlimited: Value of a limit that the joint does not have.
-        first_previous: The previous command in the first cycle; NaN if the
-            measured state takes its place.
+        unlimited: Number that stands for a limit that the joint does not have.
+        first_previous: The previous command in the first cycle; NaN takes the measured
+            state.
         is_grouped: Whether an interface enforces the limits together with others.
         clamp_count: Number of cycles in which the command was changed, since
             construction.
@@ -233,11 +234,11 @@ class JointLimitsHandle(ResourceHandle):
     def find_bounds(
         self, limits: JointLimits, soft_limits: SoftJointLimits | None
     ) -> dict[str, float]:
-        """Return the limits as the arithmetic wants them, by `joint_limits.LIMITS`.
+        """Return the limits in the form of the arithmetic, by the names in `LIMITS`.
 
         Args:
             limits: The joint's limits.
-            soft_limits: The soft limits; their range counts for a joint that has one.
+            soft_limits: The soft limits; a continuous joint ignores their range.
         """
         soft = SoftJointLimits() if soft_limits is None else soft_limits
         has_range = soft_limits is not None and limits.has_position_limits
@@ -248,7 +249,7 @@ class JointLimitsHandle(ResourceHandle):
             "max_acceleration": limits.max_acceleration,
             "max_jerk": limits.max_jerk,
             "max_effort": limits.max_effort,
-            # A continuous joint has no range that a soft limit could be inside of.
+            # A continuous joint has no range in which soft limits could lie.
             "soft_min": soft.min_position if has_range else None,
             "soft_max": soft.max_position if has_range else None,
             "k_position": soft.k_position,
@@ -256,7 +257,7 @@ class JointLimitsHandle(ResourceHandle):
         }
         absent = self.unlimited
         bounds = {name: absent if x is None else x for name, x in found.items()}
-        # No lower limit must be below everything, where `unlimited` is infinite.
+        # Where `unlimited` is infinite, a missing lower bound is minus infinity.
         if limits.min_position is None:
             bounds["min_position"] = -absent
         return bounds
@@ -278,8 +279,7 @@ class JointLimitsHandle(ResourceHandle):
     @property
     def enforces_alone(self) -> bool:
         """Return whether the handle's class overrides `enforce_limits`."""
-        # A subclass that enforces in its own way must get its calls; a group would pass
-        # it over.
+        # Such a class needs a call for each joint, which a group would not make.
         return type(self).enforce_limits is not JointLimitsHandle.enforce_limits
 
     def memory(self) -> dict[str, float]:
@@ -291,14 +291,14 @@ class JointLimitsHandle(ResourceHandle):
 
         Args:
             group: A group whose `bounds` and `memory()` have been called.
-            slot: The joint's place in it.
+            slot: The joint's place in the group.
         """
         self._group, self._slot = group, slot
         self.is_grouped = True
 
     def count_clamp(self) -> None:
         """Count the change that the group has just made. Control thread."""
-        # Readers in other threads exchange one reference, so they see whole tuples.
+        # One reference is exchanged, so readers in other threads see whole tuples.
         self._last_clamp = self._group.clamp(self._slot)
         self.clamp_count += 1
 
@@ -311,7 +311,7 @@ class JointLimitsHandle(ResourceHandle):
 
 
 class SoftLimitsHandle(JointLimitsHandle):
-    """Enforce the limits of a joint that is slowed down before the limits.
+    """Enforce hard limits and soft limits, before which the joint is slowed down.
 
     Args:
         joint: The joint's state and command, in the unit of the joint's command.

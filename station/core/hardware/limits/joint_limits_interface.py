@@ -37,18 +37,19 @@ L = TypeVar("L", bound=JointLimitsHandle)
 class JointLimitsInterface(ResourceManager[L]):
     """Hold the limit handles of a robot, filled at start and enforced in `write`.
 
-    Limits of one kind are enforced together: in one call, in place if the
-    joints lie side by side in the robot's doubles.
+    Limits of one kind are enforced in one call, and in place if the joints lie side by
+    side in the robot's doubles.
 
     Attributes:
-        enforced: Limits that are enforced in every cycle.
+        enforced: The limits that are enforced in every cycle.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self._enforced: list[L] = []
         self._groups: list[tuple[JointLimitsGroup, list[L]]] = []
-        # Handles that another interface has grouped, or that enforce in their own way.
+        # Handles that another interface has grouped, or whose class overrides
+        # `enforce_limits`.
         self._single: list[L] = []
         self.enforced = EnforcedLimits()
 
@@ -71,7 +72,7 @@ class JointLimitsInterface(ResourceManager[L]):
         At first the limits of all joints are enforced. Control thread.
 
         Args:
-            names: Names of joints; those that are not registered do not count.
+            names: Names of joints; names that are not registered are ignored.
         """
         runs: list[LimitedRun] = []
         for group, members in self._groups:
@@ -113,8 +114,8 @@ class JointLimitsInterface(ResourceManager[L]):
         self._groups, self._single = [], []
         alike: dict[tuple[Arithmetic, int], list[L]] = {}
         for handle in self._enforced:
-            # A handle remembers the last command in one group; two groups would limit
-            # it twice.
+            # A handle keeps its last command in one group only; a second group would
+            # limit it again.
             if handle.enforces_alone or (handle.is_grouped and handle not in mine):
                 self._single.append(handle)
             else:
@@ -126,8 +127,8 @@ class JointLimitsInterface(ResourceManager[L]):
                     arithmetic,
                     [member.joint for member in members],
                     [member.bounds for member in members],
-                    # A new group goes on from what the old one remembers, so that
-                    # registering a joint is no jump.
+                    # The new group takes over the memory of the old one, so that
+                    # registering another joint causes no jump.
                     [member.memory() for member in members],
                 )
                 for slot, member in enumerate(members):

@@ -1,4 +1,4 @@
-"""Read joint limits from parameters, in the form that MoveIt also uses, or a URDF.
+"""Read joint limits from parameters, in the form that MoveIt also uses, or from a URDF.
 
 ```yaml
 joint_limits:
@@ -20,8 +20,8 @@ its `has_…_limits`. A value counts only if its flag is true. `angle_wraparound
 for a joint with `has_position_limits: false`.
 
 Source: ros_control@633c374 joint_limits_rosparam.h, joint_limits_urdf.h. ROS
-parameters are typed, so a flag that is not true or false, and a value that is not a
-number, count as absent.
+parameters are typed: a flag that is not true or false counts as absent, and so does a
+value that is not a number.
 """
 
 from collections.abc import Collection
@@ -37,7 +37,7 @@ _VALUES = {
     "has_position_limits": ("min_position", "max_position"),
     **{f"has_{each}_limits": (f"max_{each}",) for each in _QUANTITIES},
 }
-"""The values that count when a flag is true."""
+"""The values that apply if a flag is true."""
 _SOFT_KEYS = ("k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit")
 
 
@@ -46,9 +46,9 @@ def joint_limits_from_parameters(
 ) -> JointLimits | None:
     """Return a joint's limits from `joint_limits/<joint>`.
 
-    A flag that is false removes an earlier limit, and a flag that is true with all its
-    values replaces it; otherwise the earlier limit stays. Limits of the URDF are passed
-    as the earlier ones, so that parameters win.
+    A flag that is false removes the earlier limit. A flag that is true, with all its
+    values, replaces it. Otherwise the earlier limit stays. Callers pass the limits of
+    the URDF as the earlier ones, so that parameters win.
 
     Args:
         joint: Name of the joint.
@@ -79,15 +79,15 @@ def soft_joint_limits_from_parameters(
     Args:
         joint: Name of the joint.
         params: The namespace that holds `joint_limits`.
-        soft_limits: Earlier soft limits, whose values take the place of parameters
-            that are not numbers.
+        soft_limits: Earlier soft limits; their values replace parameters that are not
+            numbers.
 
     Returns:
         The soft limits, or None unless `has_soft_limits` is true and all four values
         are present.
     """
     entry = params.namespace(f"joint_limits/{joint}")
-    # As in ros_control: values without their flag have no effect.
+    # As in ros_control, values without their flag have no effect.
     if entry.get("has_soft_limits") is not True:
         return None
     if not all(entry.has(key) for key in _SOFT_KEYS):
@@ -106,7 +106,7 @@ def _read_position_limits(entry: Parameters, earlier: JointLimits) -> JointLimit
     if flag is True:
         low = _number(entry, "min_position")
         high = _number(entry, "max_position")
-        # One bound alone is no range, as in ros_control.
+        # As in ros_control, a single bound is no range.
         if low is None or high is None:
             return earlier
         return replace(earlier, min_position=low, max_position=high)
@@ -132,7 +132,7 @@ def _read_limit(
 
 def _number(entry: Parameters, key: str) -> float | None:
     value = entry.get(key)
-    # In Python `true` is a number, too.
+    # In Python, `true` counts as an integer.
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     return float(value)
@@ -146,8 +146,8 @@ def _number_or(entry: Parameters, key: str, default: float) -> float:
 def limits_without_effect(params: Parameters, joints: Collection[str]) -> list[str]:
     """Return a sentence about each entry of `joint_limits` that limits nothing.
 
-    These are unknown joints and keys, values whose flag is missing, and flags whose
-    values are missing. A value whose flag is false was meant so.
+    These are unknown joints and keys, values without their flag, and flags without
+    their values. A value whose flag is false is left out on purpose.
 
     Args:
         params: The namespace that holds `joint_limits`.
@@ -202,8 +202,8 @@ def joint_limits_from_urdf(
 ) -> JointLimits | None:
     """Return a joint's limits from its `<limit>` element.
 
-    The URDF wins over earlier limits; it removes those of acceleration, and keeps those
-    of jerk.
+    The URDF wins over earlier limits, except for those of jerk; it removes those of
+    acceleration.
 
     Args:
         joint: The joint of the robot description.

@@ -1,9 +1,9 @@
 """Saturation and soft limits of the commands of n joints.
 
-A limit that a joint does not have is NaN, which every comparison ignores. A command of
-NaN passes through. In the equations, `p` and `v` are measured position and velocity,
-`prev` is the command of the last cycle, and `clip(x, a, b) = min(max(x, a), b)`. They
-give the lowest command; the highest one is the same mirrored.
+NaN stands for a limit that a joint does not have; every comparison ignores it. A
+command of NaN passes through. In the equations, `p` and `v` are measured position and
+velocity, `prev` is the command of the last cycle, and `clip(x, a, b) = min(max(x, a),
+b)`. They give the lowest command; the equation of the highest one is mirrored.
 
 | commands, limits       | lowest command                                             |
 |------------------------|------------------------------------------------------------|
@@ -17,9 +17,9 @@ give the lowest command; the highest one is the same mirrored.
 | positions, soft        | `max(prev + clip(-k_p*(prev - soft_min), -v_max, v_max)`   |
 |                        | `*period, p_min)`; at first `prev` is the measured position|
 
-A term with a limit that a joint does not have is left out: without position limits the
-velocity bounds of soft limits are `-v_max` and `v_max`. Soft limits of velocities take
-the largest float for a missing `v_max`. Only those of efforts use `k_v`.
+A term is left out if the joint lacks its limit: without position limits, the velocity
+bounds of soft limits are `-v_max` and `v_max`. Soft limits of velocities take the
+largest float for a missing `v_max`. Only soft limits of efforts use `k_v`.
 
 Source: ros_control@633c374 joint_limits_interface.h, the six handles of limits.
 """
@@ -33,7 +33,7 @@ from station.memory.doubles import Storage, own
 POSITION, VELOCITY, ACCELERATION, JERK, EFFORT, SOFT_POSITION = range(6)
 """Codes of the limits that change a command, in the order of `ClampReason`."""
 MOST_JOINTS = 62
-"""Most joints of one group: the bits of a mask."""
+"""Largest number of joints in a group: a mask has one bit for each."""
 LIMITS = (
     "min_position",
     "max_position",
@@ -46,9 +46,9 @@ LIMITS = (
     "k_position",
     "k_velocity",
 )
-"""The views of limits and gains that a group has."""
+"""Names of the views of limits and gains in a group."""
 MEMORY = ("previous", "velocity_before", "acceleration_before")
-"""The views of what a group remembers of the last cycle."""
+"""Names of the views in which a group remembers the last cycle."""
 
 # As C numbers, by the .pxd; the bit with all 64 that a mask has.
 _BIT = 1
@@ -65,9 +65,9 @@ class LimitedJoints:
 
     Args:
         views: Numbers by name, shape (n,) each: `position`, `velocity` and `command` of
-            the joints, those named in `LIMITS` and `MEMORY`, and `asked` and `reason`,
-            which are written for the joints whose command was changed; the reason is a
-            code of the limit.
+            the joints; the views named in `LIMITS` and `MEMORY`; `asked` and `reason`,
+            which receive, for each joint whose command was changed, the command before
+            and the code of the limit.
     """
 
     def __init__(self, views: Mapping[str, Storage]) -> None:
@@ -92,8 +92,8 @@ class LimitedJoints:
         columns = ("soft_min", "soft_max", "max_velocity", "k_position")
         rows = zip(*(views[name] for name in columns), strict=True)
         ranges = [free_range(*row) for row in rows]
-        # From the first to the second the soft ends are so far away that they certainly
-        # allow the largest velocity: nothing has to be computed there.
+        # Between these positions the soft ends are so far away that the largest
+        # velocity is allowed for certain, so nothing has to be computed.
         self.free_min = own(low for low, _ in ranges)
         self.free_max = own(high for _, high in ranges)
 
@@ -102,8 +102,8 @@ class LimitedJoints:
 
         Args:
             period: Time since the last cycle [s].
-            first: First joint.
-            last: The joint after the last one, at most `first + MOST_JOINTS`.
+            first: Index of the first joint.
+            last: Index after the last joint, at most `first + MOST_JOINTS`.
 
         Returns:
             Bit i is set if a limit changed the command of joint `first + i`.
@@ -118,22 +118,22 @@ def free_range(
 
     Args:
         soft_min: Lower end of the range [rad or m]; NaN if there is none.
-        soft_max: Upper end.
+        soft_max: Upper end of the range [rad or m].
         speed: Largest velocity [rad/s or m/s].
         gain: Velocity per distance from an end [1/s].
 
     Returns:
-        Lowest and highest position; the lower one is the larger one, or one is NaN, if
-        there are none.
+        Lowest and highest position. If there are none, the lower one exceeds the higher
+        one, or one of them is NaN.
     """
     # NaN: the joint has no range.
     if soft_min != soft_min:
         return -_INFINITY, _INFINITY
-    # Nothing is known to be free then, so every command is computed.
+    # No position is known to be free, so every command is computed.
     if not (gain > 0.0 and speed >= 0.0):
         return _INFINITY, -_INFINITY
     way = speed / gain
-    # Against rounding; the second part for numbers that are almost 0.
+    # A reserve for rounding; the last term is for numbers near 0.
     way += 1e-9 * (abs(soft_min) + abs(soft_max) + way) + 1e-300
     return soft_min + way, soft_max - way
 
@@ -142,7 +142,7 @@ def approach(distance: float, gain: float, speed: float) -> float:
     """Return the velocity towards an end of a range, `clip(-gain*distance, -v, v)`.
 
     Args:
-        distance: Of the joint from that end [rad or m].
+        distance: Distance of the joint from that end [rad or m].
         gain: Velocity per distance [1/s].
         speed: Largest velocity [rad/s or m/s]; NaN if there is none.
     """
@@ -167,7 +167,7 @@ class EffortSaturation(LimitedJoints):
             high = max_effort[i]
             low = -high
             p = position[i]
-            # Beyond the range only efforts that lead back are let through.
+            # Beyond the range only efforts that lead back are admitted.
             if p < min_position[i]:
                 low = 0.0
             elif p > max_position[i]:
@@ -188,7 +188,7 @@ class EffortSaturation(LimitedJoints):
                 command[i] = given
                 self.asked[i] = asked
                 mask |= _BIT << (i - first)
-                # The tightest bound is the reason that helps a user.
+                # The tightest bound is the most useful reason.
                 if given == max_effort[i] or given == -max_effort[i]:
                     self.reason[i] = _EFFORT
                 elif p < min_position[i] or p > max_position[i]:
@@ -249,7 +249,7 @@ class EffortSoftLimits(LimitedJoints):
                 self.asked[i] = asked
                 mask |= _BIT << (i - first)
                 speed = high_velocity if given == high else low_velocity
-                # Braking at full effort points away from the effort asked for.
+                # The braking effort is at its limit, opposite to the commanded effort.
                 if (given == effort and asked > 0.0) or (
                     given == -effort and not asked > 0.0
                 ):
@@ -266,8 +266,8 @@ class VelocitySoftLimits(LimitedJoints):
 
     Args:
         views: See `LimitedJoints`.
-        follows_commands: Whether they accelerate from the command of the last cycle, in
-            place of the measured velocity.
+        follows_commands: Whether they accelerate from the command of the last cycle
+            rather than from the measured velocity.
     """
 
     def __init__(
@@ -398,15 +398,19 @@ class LimitedJoint(Protocol):
     """A joint that enforces its limits in its own way."""
 
     def enforce_limits(self, period: float) -> None:
-        """Enforce them."""
+        """Enforce the limits of the joint.
+
+        Args:
+            period: Time since the last cycle [s], > 0.
+        """
 
 
 class LimitedRun:
     """Joints that follow one another in a group, and are limited in one call.
 
     Args:
-        joints: The limits of the group's joints, whose memory is the robot's own; None
-            if values are copied to and fro.
+        joints: The limits of the group's joints, if they use the robot's memory; None
+            if values are copied in and out.
         enforce: Calls `joints.enforce`, on copies of the values where necessary.
         first: Index of the first joint in the group.
         last: Index after the last joint.
@@ -441,7 +445,7 @@ class EnforcedLimits:
         self.singles: list[LimitedJoint] = []
 
     def enforce(self, period: float) -> None:
-        """Enforce all of them.
+        """Enforce all limits.
 
         Args:
             period: Time since the last cycle [s], > 0.

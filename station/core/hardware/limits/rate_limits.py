@@ -1,25 +1,25 @@
 """Limits of position and velocity commands against the commands of the last cycle.
 
 These limits can be used instead of saturation and soft limits. They limit acceleration
-and jerk, too, and a joint outside its range is not pulled back, but may only move
-towards the range. Effort commands have no rate to limit and are saturated in this mode.
-A limit that a joint does not have is infinite here.
+and jerk, too. A joint outside its range is not pulled back, but may only move towards
+the range. Effort commands have no rate to limit and are saturated in this mode.
+Infinity stands for a limit that a joint does not have.
 
 The limits act against the velocity and acceleration of the last cycle. They are applied
 in this order, so that the later ones win:
 
 1. jerk: the acceleration changes by at most `j_max * period`;
 2. acceleration: at most `a_max`, and less towards `v_max` so that jerk can hold there;
-3. velocity: at most `v_max`;
+2. acceleration: at most `a_max`, and less near `v_max` so that the jerk limit can hold;
 4. range: the joint can still stop at the bound with `a_max`; outside its range it may
    only move back towards it.
 
 `approach` gives the largest rate from which a value stops within a distance D when the
 rate may fall by `r * period` in each cycle: `r * (sqrt(2*D/r) - period/2)`. One cycle
-later, the rate minus `r * period` is again within the value of `approach`. Therefore
-range and acceleration never contradict each other, nor do velocity and jerk. With both
-acceleration and jerk limits, braking begins earlier, by the distance that the rise of
-the deceleration takes. The range then seldom requires more jerk than allowed; if it
+later, the rate minus `r * period` is again at most the value of `approach`. Therefore
+range and acceleration never contradict each other, nor do velocity and jerk. If both
+acceleration and jerk are limited, braking begins earlier, by the distance that the rise
+of the deceleration takes. The range then seldom requires more jerk than allowed; if it
 does, the range wins.
 """
 
@@ -75,14 +75,15 @@ def stoppable(
     max_jerk: float,
     period: float,
 ) -> float:
-    """Return the velocity from which a joint can stop, if jerk is limited as well.
+    """Return the velocity from which a joint can stop when jerk is limited, too.
 
     Args:
         distance: Distance to the bound [rad or m].
         velocity: Velocity of the last cycle, towards the bound [rad/s or m/s].
-        acceleration: Acceleration of the last cycle, towards the bound.
-        max_acceleration: Finite, >= 0 [rad/s^2 or m/s^2].
-        max_jerk: Finite, >= 0 [rad/s^3 or m/s^3].
+        acceleration: Acceleration of the last cycle, towards the bound [rad/s^2 or
+            m/s^2].
+        max_acceleration: Acceleration limit, finite, >= 0 [rad/s^2 or m/s^2].
+        max_jerk: Jerk limit, finite, >= 0 [rad/s^3 or m/s^3].
         period: Time since the last cycle [s], > 0.
 
     Returns:
@@ -131,11 +132,12 @@ class VelocityRateLimits(LimitedJoints):
     def shape(
         self, i: int, asked: float, down: float, up: float, period: float
     ) -> float:
-        """Return the admissible velocity nearest to the one asked for, and keep it.
+        """Return the admissible velocity nearest to the requested one, and store it.
 
         Args:
-            i: Index of the joint; its `reason` becomes that of the limit, or negative.
-            asked: Velocity [rad/s or m/s].
+            i: Index of the joint; its `reason` becomes the code of the limit, or
+                negative.
+            asked: Requested velocity [rad/s or m/s].
             down: Distance to the lower bound [rad or m]; negative beyond it, inf if
                 there is none.
             up: Distance to the upper bound [rad or m]; negative beyond it, inf if there
@@ -149,8 +151,8 @@ class VelocityRateLimits(LimitedJoints):
         max_acceleration = self.max_acceleration[i]
         max_jerk = self.max_jerk[i]
         given = asked
-        # A bound above is never negative and one below never positive, so only the one
-        # on the side of the sign can act.
+        # An upper bound is never negative and a lower one never positive, so only the
+        # bound on the side of the velocity's sign can act.
         if max_jerk < _INFINITY and max_acceleration < _INFINITY:
             if given > 0.0:
                 bound = stoppable(
@@ -221,11 +223,11 @@ class VelocityRateLimits(LimitedJoints):
         before, min_position = self.velocity_before, self.min_position
         max_position = self.max_position
         has_positions = self.has_positions
-        # The way that is left begins at the command, or where the joint is.
+        # The distance to a bound counts from the last command, or from the position.
         starts = previous if has_positions else self.position
         for i in range(first, last):
             asked = command[i]
-            # The manager refuses NaN; the profile starts afresh after one.
+            # The manager refuses NaN; after it the profile starts anew.
             if asked != asked:
                 before[i] = asked
                 continue
@@ -245,7 +247,7 @@ class VelocityRateLimits(LimitedJoints):
                 velocity, given = given, asked
                 if reason[i] >= 0.0:
                     given = start + velocity * period
-                    # Against rounding.
+                    # A correction of rounding.
                     if down >= 0.0 and given < min_position[i]:
                         given = min_position[i]
                     if up >= 0.0 and given > max_position[i]:

@@ -1,4 +1,4 @@
-"""Know which interfaces a `<hardwareInterface>` of a joint stands for.
+"""The interfaces that each `<hardwareInterface>` of a joint stands for.
 
 Source: ros_control@633c374 transmission_interface/ros_control_plugins.xml and the
 providers of joint interfaces that it lists.
@@ -35,11 +35,11 @@ _Interface = TypeVar("_Interface")
 def interface_of(
     manager: InterfaceManager, interface_type: type[_Interface]
 ) -> _Interface:
-    """Return an interface of a manager, a new and registered one if it has none.
+    """Return an interface of a manager; register a new one if it has none.
 
     Args:
         manager: A robot or its transmissions.
-        interface_type: The interface; made without arguments.
+        interface_type: Type of the interface; it is constructed without arguments.
 
     Returns:
         The interface.
@@ -101,4 +101,5 @@ HARDWARE_INTERFACES: Mapping[str, tuple[CommandKind | None, bool]] = {
     "hardware_interface/BiDirectionalVelocityJointInterface": (_VELOCITY, True),
     "hardware_interface/BiDirectionalEffortJointInterface": (_EFFORT, True),
 }
-"""Kind of command (None: state only), and whether maps go both ways, by name."""
+"""By name: the kind of command, None for state only, and whether values are carried in
+both directions."""

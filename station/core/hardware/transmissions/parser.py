@@ -18,7 +18,7 @@ class JointInfo:
 
     Attributes:
         name: Name of the joint.
-        role: Its role, such as "joint1"; empty if there is none.
+        role: Role of the joint, such as "joint1"; empty if there is none.
         hardware_interfaces: Names of the interfaces through which it is commanded, at
             least one, such as "hardware_interface/EffortJointInterface".
         element: The XML element, which holds the parameters of the type.
@@ -36,8 +36,8 @@ class ActuatorInfo:
 
     Attributes:
         name: Name of the actuator.
-        hardware_interfaces: Names of the interfaces that the document gives it; may be
-            empty.
+        hardware_interfaces: Names of the interfaces that the document gives for it;
+            may be empty.
         element: The XML element, which holds the parameters of the type.
     """
 
@@ -66,8 +66,8 @@ class TransmissionInfo:
 class TransmissionParser:
     """Find the transmissions of a robot description.
 
-    As the original does, it skips a transmission that it cannot read and goes on with
-    the next one.
+    As the original does, it skips a transmission that it cannot read, and continues
+    with the next one.
 
     Attributes:
         problems: The reasons for the elements skipped in the last `parse`.
@@ -83,7 +83,7 @@ class TransmissionParser:
             urdf: The robot description.
 
         Returns:
-            The transmissions; `problems` has the reasons for those that were skipped.
+            The transmissions; `problems` has the reasons for skipped elements.
 
         Raises:
             RobotDescriptionError: The description is not XML.

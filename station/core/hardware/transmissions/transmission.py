@@ -1,6 +1,6 @@
 """Map between actuator space and joint space.
 
-A transmission is simple, a differential or a four-bar linkage; users add others.
+A transmission is simple, a differential or a four-bar linkage; users may add others.
 """
 
 from abc import ABC, abstractmethod
@@ -151,7 +151,7 @@ class SimpleTransmission(Transmission):
 class TwoByTwoTransmission(Transmission):
     """Map two actuators to two joints by reductions and offsets.
 
-    Positions are mapped like velocities, with the joint offsets added.
+    Positions are mapped like velocities; then the joint offsets are added.
 
     Attributes:
         kind: Name of the transmission in messages.
@@ -179,7 +179,8 @@ class TwoByTwoTransmission(Transmission):
                 (2,).
 
         Raises:
-            TransmissionInterfaceError: A list has not two values, or a reduction is 0.
+            TransmissionInterfaceError: A list does not have two values, or a reduction
+                is 0.
         """
         sizes = [len(actuator_reduction), len(joint_reduction), len(joint_offset)]
         if sizes != [2, 2, 2]:
@@ -228,7 +229,7 @@ class DifferentialTransmission(TwoByTwoTransmission):
     | velocity           | `(V1*j1 + V2*j2) * a1`            | `(V1*j1 - V2*j2) * a2`  |
     | position           | as velocity, with `x - o` for V   | the same                |
 
-    If the absolute encoders sit on the joints, the transmission is ignored for them.
+    If the absolute encoders sit on the joints, their values bypass the transmission.
     The first joint's encoder is then the second one in the order of the actuators.
 
     Attributes:
@@ -319,9 +320,9 @@ class FourBarLinkageTransmission(TwoByTwoTransmission):
     | velocity           | `V1 * j1 * a1`     | `(V1 + V2*j2) * a2`                    |
     | position           | as velocity, with `x - o` for V                             |
 
-    The maps are each other's inverses. They do not preserve power, in the original
-    either: its effort map is not the transpose of its velocity map, and the joints'
-    power exceeds the actuators' by `F1*V1 - F2*V1*a2/(j1*a1) - F1*V2*j1*a1/a2`.
+    The maps are each other's inverses. As in the original, they do not preserve power:
+    the effort map is not the transpose of the velocity map, and the joints' power
+    exceeds the actuators' by `F1*V1 - F2*V1*a2/(j1*a1) - F1*V2*j1*a1/a2`.
 
     Source:
         ros_control@633c374 four_bar_linkage_transmission.h, FourBarLinkageTransmission.

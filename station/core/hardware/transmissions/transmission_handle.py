@@ -2,9 +2,9 @@
 
 Source: ros_control@633c374 transmission_interface.h, TransmissionHandle and the handles
 derived from it; differs: one handle with a direction and quantities in place of one
-class for each combination, a "pointer" is a list of floats and an index, a quantity
-that is missing on one side is left out instead of being undefined, and the sizes of
-torque sensor data are checked too.
+class for each combination; a "pointer" is a list of floats and an index; a quantity
+that is missing on one side is left out instead of being undefined; the sizes of torque
+sensor data are checked, too.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,11 +21,11 @@ from station.core.hardware.transmissions.transmission import (
 STATE = ("position", "velocity", "effort")
 """The quantities that both sides of a transmission have."""
 SENSORS = ("absolute_position", "torque_sensor")
-"""Quantities that are measured on the actuator side alone."""
+"""Quantities that are measured only on the actuator side."""
 
 
 class Direction(Enum):
-    """The way that values take through a transmission."""
+    """The direction in which values pass through a transmission."""
 
     ACTUATOR_TO_JOINT = "actuator_to_joint"
     JOINT_TO_ACTUATOR = "joint_to_actuator"
@@ -84,13 +84,13 @@ class QuantityMap:
 
     Args:
         transmission: The transmission.
-        direction: The way that the values take.
+        direction: The direction of the values.
         quantity: The quantity, an attribute of `TransmissionData`.
         source: Memory of the values.
         target: Receives the values.
 
     Attributes:
-        transmission: As given, and the next four as well.
+        transmission: As given; likewise `direction`, `quantity`, `source`, `target`.
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class TransmissionHandle(ResourceHandle):
     and allocates only short lists of floats.
 
     Attributes:
-        maps: Maps of the quantities, one each.
+        maps: The maps, one per quantity.
     """
 
     def __init__(
@@ -142,15 +142,15 @@ class TransmissionHandle(ResourceHandle):
         Args:
             name: Name of the transmission.
             transmission: The maps.
-            actuator_data: Places on the actuator side.
-            joint_data: Places on the joint side.
-            direction: The way that the values take.
-            quantities: The quantities to carry, attributes of `TransmissionData`; one
-                that has no places on one of the sides is left out.
+            actuator_data: Places of the values on the actuator side.
+            joint_data: Places of the values on the joint side.
+            direction: The direction of the values.
+            quantities: The quantities to carry, attributes of `TransmissionData`; a
+                quantity without places on one side is left out.
 
         Raises:
-            TransmissionInterfaceError: There is no transmission, no data at all, a
-                number of places that is not the transmission's, or a place is missing.
+            TransmissionInterfaceError: There is no transmission or no data, the number
+                of places does not fit the transmission, or a place is missing.
         """
         super().__init__(name)
         if transmission is None:

@@ -38,8 +38,8 @@ _POSITIONS = ("position", "absolute_position")
 class Propagation:
     """Carries the values of some transmissions over, once per cycle. Control thread.
 
-    Simple transmissions whose values are in the same doubles are carried over together;
-    the others one after the other, with the same result.
+    Simple transmissions whose values are in the same doubles are handled together, the
+    others one after the other, with the same result.
 
     Args:
         handles: The transmissions. No two of them have the same target.
@@ -65,14 +65,14 @@ class Propagation:
 
 
 def _is_simple(one: QuantityMap) -> bool:
-    # A class derived from it may have maps of its own.
+    # A derived class may have its own maps.
     return type(one.transmission) is SimpleTransmission and all(
         isinstance(slots[0][0], memoryview) for slots in (one.source, one.target)
     )
 
 
 def _together(maps: Sequence[QuantityMap]) -> ReducedValues:
-    """Return one propagation of a quantity over some simple transmissions."""
+    """Return one object that carries a quantity over several simple transmissions."""
     reductions = [
         one.transmission
         for one in maps
@@ -103,7 +103,7 @@ class TransmissionInterface(ResourceManager[TransmissionHandle]):
     """Hold the handles of one direction and some quantities, filled at start.
 
     Attributes:
-        direction: The way that the values take through every transmission.
+        direction: Direction of the values in every transmission.
         quantities: The quantities that are carried.
     """
 

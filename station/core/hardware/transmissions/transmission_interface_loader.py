@@ -1,4 +1,4 @@
-"""Give a robot that has actuators its joint interfaces, through transmissions.
+"""Connect joints and actuators of a robot by transmissions, and offer the joints.
 
 Source: ros_control@633c374 transmission_interface_loader.cpp and the providers of joint
 interfaces beside it; differs: failures raise, and a joint has an absolute position and
@@ -63,8 +63,8 @@ from station.memory.doubles import Storage, doubles
 class RawJointData:
     """Hold state and commands of joints, one slot per joint.
 
-    Joints that are named at the start have their values side by side in doubles.
-    Without names the values are lists, which grow with the joints.
+    If the joints are named at the start, their values lie side by side in doubles.
+    Otherwise the values are lists, which grow with the joints.
 
     All values are NaN until they are first written: states by the transmissions in the
     robot's first `read`, commands by the robot when it starts and by controllers.
@@ -102,7 +102,7 @@ class RawJointData:
         return doubles([nan] * len(self.names)) if self._is_known else []
 
     def add(self, name: str) -> int:
-        """Return the slot of a joint; a joint without a slot gets a new one.
+        """Return the slot of a joint; make one for a joint that has none.
 
         Args:
             name: Name of the joint.
@@ -111,7 +111,7 @@ class RawJointData:
             The index in all values.
 
         Raises:
-            HardwareInterfaceError: Other joints were named at the start.
+            HardwareInterfaceError: Joints were named at the start, but not this one.
         """
         if name in self.names:
             return self.names.index(name)
@@ -187,7 +187,7 @@ class LoadedTransmission:
 
 
 class TransmissionInterfaceLoader:
-    """Connect transmissions: joint interfaces on one side, actuators on the other.
+    """Connects joint interfaces to actuators by transmissions.
 
     A robot uses the loader in `init`, after it has registered its actuator interfaces.
     The loader registers missing joint interfaces on the robot and missing transmission
@@ -207,11 +207,11 @@ class TransmissionInterfaceLoader:
         transmission_types: Mapping[str, TransmissionFactory] | None = None,
         joints: Sequence[str] | None = None,
     ) -> None:
-        """Start with nothing loaded.
+        """Create a loader that has loaded nothing yet.
 
         Args:
             robot_hw: The robot that has the actuators and gets the joints.
-            robot_transmissions: The manager that gets the transmission interfaces.
+            robot_transmissions: The manager that receives the transmission interfaces.
             transmission_types: Further types of transmissions, by the name in `<type>`.
             joints: Names of all joints that will be loaded, if they are known; their
                 values then lie side by side in doubles.
@@ -275,8 +275,7 @@ class TransmissionInterfaceLoader:
                 problems.append(exc.message)
             else:
                 self.loaded.append(LoadedTransmission(info, name, transmission))
-        # As upstream, one interface that can be used is enough; the others are
-        # reported.
+        # As upstream, one usable interface is enough; the others are reported.
         if len(problems) == len(interfaces):
             raise TransmissionInterfaceError(
                 f"Failed to load transmission '{info.name}'. "
@@ -399,7 +398,7 @@ class TransmissionInterfaceLoader:
             if not is_used:
                 continue
             interface = interface_of(self._robot_transmissions, interface_type)
-            # A transmission with several joint interfaces carries its state once.
+            # A transmission with several joint interfaces carries its state only once.
             if info.name not in interface.get_names():
                 interface.connect(info.name, transmission, actuator, joint)
 

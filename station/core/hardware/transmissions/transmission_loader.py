@@ -112,7 +112,7 @@ def load_transmission(
 
     Args:
         info: The description of the transmission.
-        types: More types, tried before those of this module and of entry points.
+        types: Further types, tried before those of this module and of entry points.
 
     Returns:
         The transmission.
@@ -156,7 +156,7 @@ def _read_two_by_two(
 
 @contextmanager
 def _naming(info: TransmissionInfo) -> Iterator[None]:
-    # The constructor does not know the name of the transmission.
+    # Errors of the constructor lack the name of the transmission.
     try:
         yield
     except TransmissionInterfaceError as exc:

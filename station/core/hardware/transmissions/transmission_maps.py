@@ -3,23 +3,23 @@
 from station.memory.doubles import Doubles, Indices
 
 NO_OFFSET = -0.0
-"""What `divided` adds for quantities without an offset: it changes no number, not even
--0.0, which 0.0 would turn into 0.0."""
+"""Addend of `divided` for quantities without an offset: it changes no number, while 0.0
+would turn -0.0 into 0.0."""
 
 
 def multiplied(value: float, reduction: float, offset: float) -> float:
-    """Return a value behind a reduction that multiplies it.
+    """Return a value multiplied by a reduction.
 
     Args:
         value: The value before the reduction.
         reduction: Actuator turns per joint turn, not 0.
-        offset: Number subtracted before; 0 for velocities and efforts.
+        offset: Number subtracted first; 0 for velocities and efforts.
     """
     return (value - offset) * reduction
 
 
 def divided(value: float, reduction: float, offset: float) -> float:
-    """Return a value behind a reduction that divides it.
+    """Return a value divided by a reduction.
 
     Args:
         value: The value before the reduction.
@@ -30,7 +30,7 @@ def divided(value: float, reduction: float, offset: float) -> float:
 
 
 class ReducedValues:
-    """Values of n actuators or joints, and where they go behind their reductions.
+    """Values of n actuators or joints, and the places of the reduced values.
 
     Args:
         source: Memory of the values.
@@ -63,7 +63,7 @@ class ReducedValues:
         self.size = len(source_places)
 
     def carry(self) -> None:
-        """Write each value to its place behind the reduction."""
+        """Write each reduced value to its place."""
         source, target = self.source, self.target
         source_places, target_places = self.source_places, self.target_places
         reductions, offsets = self.reductions, self.offsets
