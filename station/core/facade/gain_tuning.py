@@ -1,4 +1,4 @@
-"""Run-time parameters of controllers: read, changed in one cycle, and taken back."""
+"""Read run-time parameters of controllers, change them in one cycle, and undo it."""
 
 import threading
 from collections import deque
@@ -13,7 +13,7 @@ from station.core.loop.control_loop import ControlLoop
 from station.reports import GainsChange
 
 HISTORY = 100
-"""How many changes can be taken back."""
+"""Number of changes that can be taken back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,8 @@ class _Done:
     """A change that can be taken back.
 
     Attributes:
-        tunables: The parameters of each controller, to recognise it.
+        tunables: The parameter objects of each controller; another object means that
+            the controller was loaded anew.
         previous: The values before the change, by controller and name.
     """
 
@@ -30,12 +31,13 @@ class _Done:
 
 
 class GainTuning:
-    """Changes the gains of controllers, of several in one cycle if need be. Any thread.
+    """Changes the gains of one or several controllers in one cycle. Any thread.
 
     Args:
         loop: The loop.
         manager: Its controller manager.
-        change_lock: Lock of each loading and unloading of a controller.
+        change_lock: Lock that is held while a controller is loaded or unloaded.
+        inputs: Receives each change.
         inputs: Record of changes.
     """
 
@@ -54,7 +56,7 @@ class GainTuning:
         self._history: deque[_Done] = deque(maxlen=HISTORY)
 
     def begin_revision(self, name: str) -> None:
-        """Begin a revision for a controller that was loaded; the lock is held."""
+        """Begin a revision for a loaded controller; the caller has the lock."""
         self._revisions[name] = self._revisions.get(name, 0) + 1
 
     def gains(self, name: str) -> Gains:
@@ -68,7 +70,7 @@ class GainTuning:
         return Gains(tunables.values, tunables.schema, revision)
 
     def all_gains(self) -> dict[str, dict[str, float]]:
-        """Return the values of every loaded controller that has some, by its name."""
+        """Return the values of all loaded controllers that have any, by name."""
         found = {}
         for status in self._manager.controller_statistics():
             values = self._manager.get_controller(status.name).tunables.values
@@ -88,10 +90,10 @@ class GainTuning:
 
         Args:
             name: The controller.
-            changes: New values by name; the others stay.
-            revision: Revision the caller has read; any when None.
-            remember: Whether `undo` takes the change back; a test that puts the gains
-                back itself leaves the changes of people to it.
+            changes: New values by name; other values stay.
+            revision: Revision that the caller has read; None accepts any.
+            remember: Whether `undo` can take the change back. A test that restores the
+                gains itself sets this to false, so that `undo` is for people's changes.
 
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.
@@ -112,9 +114,9 @@ class GainTuning:
         """Change the parameters of several controllers between the same two cycles.
 
         Args:
-            changes: New values by controller and name; the others stay.
-            revisions: Revisions the caller has read, by controller; any of those that
-                it does not name.
+            changes: New values by controller and name; other values stay.
+            revisions: Revisions that the caller has read, by controller; a controller
+                that is not named may have any.
 
         Returns:
             The changes, by controller.
@@ -131,14 +133,14 @@ class GainTuning:
             return self._apply(changes)
 
     def _check_revision(self, name: str, revision: int) -> None:
-        """Refuse a revision that is not the present one; the lock is held.
+        """Refuse a revision that is not the present one; the caller has the lock.
 
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.
             GainsChangedError: The gains have another revision now.
         """
         self._manager.get_controller(name)
-        # After the name was looked up: an unknown one would be at revision 0 as well.
+        # Look the name up first: an unknown controller would be at revision 0, too.
         present = self._revisions.get(name, 0)
         if revision != present:
             raise GainsChangedError(
@@ -154,11 +156,11 @@ class GainTuning:
         return len(self._history)
 
     def undo(self) -> dict[str, GainsChange]:
-        """Take the last change back that was not taken back; return the new values.
+        """Take back the last change that is still in force; return the new values.
 
         Raises:
-            NothingToUndoError: There is no such change, or a controller of it was
-                loaded anew since.
+            NothingToUndoError: There is no such change, or one of its controllers was
+                unloaded since.
             LoopError: The loop died or hangs.
         """
         with self._change_lock:
@@ -187,7 +189,7 @@ class GainTuning:
     ) -> dict[str, GainsChange]:
         found = {name: self._manager.get_controller(name).tunables for name in changes}
         before = {name: tunables.values for name, tunables in found.items()}
-        # All are checked before the first one changes.
+        # Check all of them before the first one changes.
         wanted = {name: found[name].checked(changes[name]) for name in changes}
 
         def apply() -> int:

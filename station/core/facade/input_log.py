@@ -1,7 +1,8 @@
 """The inputs of a station, each with the cycle before which it took effect.
 
-A station that is stepped from its configuration, with the same inputs before the same
-cycles, goes the same way bit for bit. A recording keeps the inputs for that.
+A station that is stepped from the same configuration, with the same inputs before the
+same cycles, moves in the same way bit for bit. A recording keeps the inputs for such a
+re-run.
 """
 
 from collections import deque
@@ -13,7 +14,7 @@ from station.core.ports.receipt import Receipt
 from station.reports import LoopState
 
 CAPACITY = 10_000
-"""Most inputs that wait to be taken; without a recorder nobody takes them."""
+"""Largest number of inputs that wait; without a recorder no thread takes them."""
 _MOTIONS = frozenset({
     "set_point", "goal", "trajectory", "cancel_goal", "hold_trajectory", "expire"
 })  # fmt: skip
@@ -25,10 +26,9 @@ class Input:
 
     Attributes:
         kind: Kind of input; `operation` if a re-run cannot repeat it.
-        arguments: How, as JSON has it.
-        after: Returns the last cycle before it took effect; None while none has taken
-            it up.
-        until: Returns the last cycle before a set-point expired; None while it has not.
+        arguments: The arguments, as JSON-compatible values.
+        after: Returns the last cycle before the input took effect; None before that.
+        until: Returns the last cycle before a set-point expired; None before that.
     """
 
     kind: str
@@ -46,8 +46,8 @@ class InputLog:
     Attributes:
         is_complete: Whether no input was dropped before it was taken.
         changes: Number of inputs that changed more than the motion.
-        last_change: Kind of the last of these; empty before the first.
-        commands: How many inputs each controller got, by its name.
+        last_change: Kind of the last such input; empty before the first.
+        commands: Number of inputs by name of the controller.
     """
 
     def __init__(self, loop: ControlLoop) -> None:
@@ -56,26 +56,26 @@ class InputLog:
         self.last_change = ""
         self.commands: dict[str, int] = {}
         self._loop = loop
-        # Appending and popping are atomic: no lock.
+        # Appending and popping are atomic, so no lock is needed.
         self._inputs: deque[Input] = deque(maxlen=CAPACITY)
 
     def note(self, kind: str, **arguments: object) -> None:
-        """Note an input that takes effect now, between two cycles or outside."""
+        """Note an input that takes effect now, between two cycles or without a loop."""
         cycle = self._loop.cycle
         self._add(kind, arguments, lambda: cycle)
 
     def note_in_cycle(self, kind: str, **arguments: object) -> None:
-        """Note the effect of an operation; called by the operation."""
-        # The thread has counted the cycle already when it carries operations out.
+        """Note the effect of an operation; called within the operation."""
+        # In the thread, the number of the cycle has been counted up already.
         running = self._loop.state is LoopState.RUNNING
         cycle = self._loop.cycle - (1 if running else 0)
         self._add(kind, arguments, lambda: cycle)
 
     def note_command(self, kind: str, receipt: Receipt, **arguments: object) -> None:
-        """Note a command that a later cycle picks up, or none does.
+        """Note a command, which a later cycle may pick up.
 
-        With a plan goes the station time of the cycle that it was made from: cycles may
-        have passed until the plan was ready.
+        If the command was planned, the input names the station time from which it was
+        planned, because cycles may have passed until the plan was ready.
         """
 
         def after() -> int | None:
@@ -101,7 +101,7 @@ class InputLog:
         self._add("stop", {"reason": reason}, after)
 
     def take_inputs(self) -> list[Input]:
-        """Return the inputs since the last call, for the one recorder there is."""
+        """Return the inputs since the last call; there is only one recorder."""
         taken = []
         while self._inputs:
             taken.append(self._inputs.popleft())
@@ -119,7 +119,7 @@ class InputLog:
             self.changes += 1
         name = str(arguments.get("name", ""))
         self.commands[name] = self.commands.get(name, 0) + 1
-        # The oldest input drops out: a recording must not claim that it can be re-run.
+        # The oldest input is lost, so a recording must not claim to be complete.
         if len(self._inputs) >= CAPACITY:
             self.is_complete = False
         self._inputs.append(Input(kind, arguments, after, until))

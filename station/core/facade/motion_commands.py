@@ -1,7 +1,7 @@
-"""The part of the facade that makes the robot move: set-points, goals, trajectories.
+"""The commands that make the robot move: set-points, goals, trajectories.
 
-Every command is checked alike first: the station must be armed, the controller must
-run, and the epoch, if the caller names one, must be the present one.
+Every command is checked first: the station must be armed, the controller must run, and
+the epoch, if the caller names one, must be the present one.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -27,11 +27,11 @@ from station.core.trajectory.trajectory_port import TrajectoryPort
 from station.reports import Clearance, LoopState
 
 _PICK_UP = 0.02
-"""How long a running loop may take to pick a command up [s]."""
+"""Time within which a running loop should pick a command up [s]."""
 
 
 def _anybody() -> None:
-    """Let everybody command."""
+    """Admit every caller."""
 
 
 class MotionCommands:
@@ -40,7 +40,7 @@ class MotionCommands:
     Args:
         loop: The loop.
         manager: The loop's controller manager.
-        inputs: Record of commands.
+        inputs: Receives each command.
     """
 
     def __init__(
@@ -66,17 +66,17 @@ class MotionCommands:
         return SetPoint(tuple(port.elements), values)
 
     def receipt(self) -> Receipt:
-        """Return a receipt for a command, to be waited for by `wait_for`."""
+        """Return a receipt for a command, which `wait_for` can wait for."""
         return Receipt(lambda: self.loop.cycle)
 
     def wait_for(self, receipt: Receipt) -> int | None:
-        """Return the cycle that picked a command up; None when none does soon.
+        """Return the cycle that picked a command up; None if no cycle does so soon.
 
-        No cycle does while the simulation is paused, and when a newer command has taken
-        the place of this one.
+        No cycle does while the simulation is paused, or if a newer command has replaced
+        this one.
         """
         loop = self.loop
-        # A loop that stands or is stepped picks nothing up while somebody waits for it.
+        # A loop that does not run, or is stepped, picks up nothing during this wait.
         if loop.state is LoopState.RUNNING and not loop.pace.paused:
             deadline = loop.clock.now() + max(_PICK_UP, 4.0 * loop.period)
             loop.clock.wait_for(receipt.done, deadline)
@@ -95,13 +95,13 @@ class MotionCommands:
 
         Args:
             name: The controller.
-            values: One number per element of its set-point; None leaves an element at
-                the last command. So callers can move different
-                elements without undoing each other, unless their calls overlap in
-                time; those of the API do not, since each holds the lock of control.
-            epoch: The epoch in which the caller decided; the present one when None.
-            timeout: How long it is valid [s wall time], 0 for ever; the controller's
-                own when None.
+            values: One number per element of the set-point. None leaves an element at
+                its last command, so that callers can move different elements
+                independently, unless their calls overlap in time. Calls through the
+                API do not overlap, because each of them holds the lock of control.
+            epoch: The epoch in which the caller decided; None takes the present one.
+            timeout: How long the set-point is valid [s wall time], 0 without limit;
+                None takes the controller's own timeout.
             rates: Rate of change of each element; only for controllers that use rates
                 as a feed-forward.
             receipt: Notes the cycle that takes the set-point.
@@ -109,8 +109,8 @@ class MotionCommands:
         Raises:
             ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller is not running.
-            InvalidCommandError: The controller takes no set-points or no rates, or they
-                are malformed.
+            InvalidCommandError: The controller takes no set-points or no rates, or the
+                numbers are malformed.
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
@@ -129,7 +129,7 @@ class MotionCommands:
         port.check(whole, timeout, rates)
         present = self._check_may_move(name, epoch)
         receipt = receipt or self.receipt()
-        # A stop or a reset in between changes the generation and voids the set-point.
+        # A stop or reset in between changes the generation and voids the set-point.
         port.post([*whole, *(rates or [])], timeout, generation, receipt)
         self._inputs.note_command(
             "set_point", receipt, name=name, values=whole, timeout=timeout, rates=rates
@@ -139,7 +139,7 @@ class MotionCommands:
     def _whole(
         self, name: str, port: SetPointPort, values: Sequence[float | None]
     ) -> list[float]:
-        """Return a set-point in which the values in force replace each None.
+        """Return a set-point with each None replaced by the value in force.
 
         Raises:
             ControllerNotFoundError: No such controller is loaded.
@@ -151,7 +151,7 @@ class MotionCommands:
         given = [value for value in values if value is not None]
         if len(given) == len(values):
             return given
-        # A goal ended by a stop is reported as stopped: its controller has ended.
+        # Check first, so that after a stop the error is `StoppedError`.
         self._check_may_move(name, None)
         controller = self.manager.get_controller(name)
         size, in_force = len(port.elements), port.newest
@@ -173,20 +173,20 @@ class MotionCommands:
     def let_go(self, names: Iterable[str], reason: str) -> None:
         """End the motions of controllers whose commander has lost control.
 
-        Set-points expire now, as after a silence of their client: what a controller
-        then does is what its `command_timeout` parameters say, it holds or it stops. A
+        Their set-points expire now, as if their client had fallen silent: the
+        `command_timeout` parameters of a controller decide whether it holds or stops. A
         set-point that no cycle has picked up yet is dropped. Goals are cancelled and
-        trajectories end, so that the joints hold. Controllers that were commanded
-        nothing are left alone.
+        trajectories end, so that the joints hold. Controllers without a command are
+        left alone.
 
         Args:
-            names: The controllers; those that are no longer loaded are left out.
+            names: The controllers; names that are no longer loaded are left out.
             reason: Why the goals end, in one sentence.
         """
         for name in names:
             try:
                 controller = self.manager.get_controller(name)
-            # Unloaded meanwhile: it has nothing left to end.
+            # It was unloaded meanwhile and has nothing left to end.
             except ControllerNotFoundError:
                 continue
             if controller.set_points is not None:
@@ -215,12 +215,12 @@ class MotionCommands:
         admit: Callable[[], None] = _anybody,
         receipt: Receipt | None = None,
     ) -> Goal:
-        """Give a running controller a goal; it replaces the one before.
+        """Give a running controller a goal; it replaces the active goal.
 
         Args:
             name: The controller.
             request: The goal message of the controller's action.
-            epoch: The epoch in which the caller decided; the present one when None.
+            epoch: The epoch in which the caller decided; None takes the present one.
             admit: Called before the goal is planned and afterwards; raises a
                 StationError when the caller may not move the robot.
             receipt: Notes the cycle that takes the goal.
@@ -234,7 +234,8 @@ class MotionCommands:
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
-            StationError: One of these conditions came true meanwhile; nothing moves.
+            StationError: `admit` refuses, or one of these conditions arose while the
+                goal was planned; nothing moves.
         """
         port = self._goal_port(name)
         admit()
@@ -244,8 +245,8 @@ class MotionCommands:
         goal.explain = self._watch_guards()
         self._inputs.note_command("goal", receipt, name=name, request=request)
         try:
-            # Asked again: control may have changed hands, or a stop may have come,
-            # since the goal was admitted.
+            # Ask again: control may have changed hands, or a stop may have come, since
+            # the goal was admitted.
             admit()
             self._check_may_move(name, present)
         except StationError as error:
@@ -254,7 +255,7 @@ class MotionCommands:
         return goal
 
     def _watch_guards(self) -> Callable[[], str]:
-        """Return a function that says which arms a guard has slowed from now on."""
+        """Return a function that names the arms that guards slow from now on."""
         guards = tuple(self.loop.hw.guards())
 
         def clearances() -> list[Clearance]:
@@ -264,7 +265,7 @@ class MotionCommands:
         before = {one.arm: one.interventions for one in clearances()}
 
         def explain() -> str:
-            # A change of the scene sets the count to 0.
+            # A change of the scene resets the count.
             slowed = [
                 one
                 for one in clearances()
@@ -301,10 +302,10 @@ class MotionCommands:
         return self._goal_port(name).get(identifier)
 
     def cancel_goal(self, name: str, identifier: str) -> Goal:
-        """Ask for the end of a goal; the joints hold from the next cycle on.
+        """Ask a goal to end; the joints hold from the next cycle on.
 
-        Possible at any time, also while the station is stopped; a goal that has ended
-        stays as it is.
+        This is possible at any time, also while the station is stopped. A goal that has
+        ended stays as it is.
 
         Raises:
             ControllerNotFoundError: No such controller is loaded.
@@ -325,7 +326,7 @@ class MotionCommands:
             goal.ended = receipt
         if not goal.ask_to_end(reason):
             return False
-        # A re-run has other identifiers: the goal is known by its place.
+        # Goals have other identifiers in a re-run, so the place in the list is noted.
         behind = goals[::-1].index(goal) if goal in goals else 0
         self._inputs.note_command("cancel_goal", receipt, name=name, behind=behind)
         return True
@@ -343,13 +344,13 @@ class MotionCommands:
         Args:
             name: The controller.
             request: The trajectory message.
-            epoch: The epoch in which the caller decided; the present one when None.
+            epoch: The epoch in which the caller decided; None takes the present one.
             receipt: Notes the cycle that takes the trajectory.
             admit: Called before the trajectory is planned and afterwards; raises a
                 StationError when the caller may not move the robot.
 
         Returns:
-            The epoch it counts for.
+            The epoch that the trajectory belongs to.
 
         Raises:
             ControllerNotFoundError: No such controller is loaded.
@@ -359,7 +360,8 @@ class MotionCommands:
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
-            StationError: One of these conditions came true meanwhile; nothing moves.
+            StationError: `admit` refuses, or one of these conditions arose while the
+                trajectory was planned; nothing moves.
         """
         port = self._trajectory_port(name)
         admit()
@@ -380,7 +382,7 @@ class MotionCommands:
 
         Args:
             name: The controller.
-            time: Station time [s]; the present when None.
+            time: Station time [s]; None takes the present.
 
         Raises:
             ControllerNotFoundError: No such controller is loaded.
@@ -390,7 +392,7 @@ class MotionCommands:
         """
         port = self._trajectory_port(name)
         when = self.loop.time if time is None else time
-        # True of infinities and NaN alone.
+        # True only for infinities and NaN.
         if when - when != 0.0:
             raise InvalidTrajectoryError(
                 f"The time asked for is {when}.", remedy="Give a finite time."

@@ -1,7 +1,7 @@
 """The tree of parameters as rosparam shows it: read, set and delete, from any thread.
 
-Controllers read their parameters when they are loaded; a change has no effect on a
-controller that is loaded already.
+Controllers read their parameters when they are loaded; a later change has no effect on
+them.
 """
 
 import threading
@@ -23,7 +23,7 @@ class ParameterServer:
 
     Args:
         parameters: The root of the tree.
-        change_lock: Lock of each loading and unloading of a controller.
+        change_lock: Lock that is held while a controller is loaded or unloaded.
         is_loading: Returns whether a controller of a name is being loaded.
         fixed: Names at the root that cannot be changed while the station runs.
     """
@@ -62,8 +62,8 @@ class ParameterServer:
             value: Plain data; a mapping replaces the whole namespace.
 
         Raises:
-            ParameterError: The path is empty or fixed, or leads through a value that
-                is no namespace.
+            ParameterError: The path is empty or fixed, or leads through a value that is
+                not a namespace.
             ControllerExistsError: The parameters belong to a controller that is being
                 loaded.
         """
@@ -96,11 +96,11 @@ class ParameterServer:
             return value
 
     def _changeable(self, path: str) -> list[str]:
-        """Return the parts of a path.
+        """Return the parts of a path, if it may be changed.
 
         Raises:
             ParameterError: The path is empty or fixed.
-            ControllerExistsError: A controller is being loaded with it.
+            ControllerExistsError: A controller is being loaded with this parameter.
         """
         parts = [part for part in path.split("/") if part]
         if not parts or parts[0] in self._fixed:

@@ -1,4 +1,4 @@
-"""Inputs of a station as data, carried out: those of a recording, or of a rehearsal.
+"""Carry out inputs that are given as data, by a recording or for a rehearsal.
 
 An input has a `kind` and the arguments that `InputLog` notes with it.
 """
@@ -12,7 +12,7 @@ from station.core.facade.station import Station
 from station.core.ports.receipt import Receipt
 
 Arguments: TypeAlias = Mapping[str, Any]
-"""The arguments of an input, as JSON has them."""
+"""The arguments of an input, as JSON-compatible values."""
 
 
 def carry_out(station: Station, kind: str, one: Arguments) -> bool:
@@ -27,7 +27,7 @@ def carry_out(station: Station, kind: str, one: Arguments) -> bool:
         Whether inputs of this kind can be carried out.
 
     Raises:
-        StationError: The station refuses it; nothing changed.
+        StationError: The station refuses the input; nothing changed.
     """
     act = _ACT.get(kind)
     if act is None:
@@ -51,7 +51,7 @@ def carry_out_plan(
         Whether inputs of this kind are planned.
 
     Raises:
-        StationError: The station refuses it; nothing changed.
+        StationError: The station refuses the input; nothing changed.
     """
     if kind == "goal":
         station.motion.submit_goal(one["name"], one["request"], receipt=receipt)
@@ -98,7 +98,7 @@ def _service(station: Station, one: Arguments) -> None:
 
 
 def _hardware(station: Station, one: Arguments) -> None:
-    # The controllers that it stopped first were stopped by a switch of its own.
+    # The controllers that it stopped before have an input `switch` of their own.
     station.set_hardware_component_state(one["name"], ComponentState(one["state"]))
 
 
@@ -129,6 +129,6 @@ _ACT: dict[str, Callable[[Station, Arguments], object]] = {
     ),
     "late": lambda station, one: station.loop.delay_next_cycle(one["periods"] - 1),
 }
-"""How each kind of input is carried out."""
+"""The function that carries out each kind of input."""
 PLANNED = frozenset({"goal", "trajectory"})
-"""The kinds that are planned first and handed over later."""
+"""The kinds of inputs that are planned first and handed over later."""

@@ -1,7 +1,7 @@
 """The robots of the station, for any thread: their services, and recovery.
 
-Every method carries its work out between two cycles, and either does the whole thing or
-raises and changes nothing.
+Every method does its work between two cycles, and either succeeds as a whole or raises
+and changes nothing.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,7 +28,7 @@ from station.core.ports.receipt import Receipt
 T = TypeVar("T")
 ServicesT = TypeVar("ServicesT", bound=RobotServices)
 _LONGEST_RECOVERY = 2_000
-"""Cycles after which a robot that recovers is at rest for sure."""
+"""Number of cycles after which a recovering robot must be at rest."""
 
 
 class Robots:
@@ -37,7 +37,7 @@ class Robots:
     Args:
         loop: The loop.
         manager: Its controller manager.
-        inputs: Record of services and recoveries.
+        inputs: Receives services and recoveries.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class Robots:
         return list(dict.fromkeys(type(handle) for handle in handles))
 
     def get(self, name: str, kind: type[ServicesT]) -> ServicesT | None:
-        """Return a robot's services of one kind; None when it has none of that kind.
+        """Return a robot's services of one kind; None if it has none of that kind.
 
         Raises:
             ArmNotFoundError: There is no such robot.
@@ -114,7 +114,7 @@ class Robots:
     def _noted(
         self, name: str, service: str, method: Callable[..., object]
     ) -> Callable[..., object]:
-        """Return a service that is noted once it is done."""
+        """Return a service that is noted as an input once it is done."""
 
         def call(**arguments: object) -> object:
             answer = method(**arguments)
@@ -136,12 +136,13 @@ class Robots:
 
         Args:
             action: Short, and must not wait.
-            moves: Refuse while the station is stopped.
+            moves: Whether the action can move the robot; it is then refused while the
+                station is stopped.
             voids: Why all earlier set-points and goals are void once `action` is done;
-                None when they stay valid.
+                None if they stay valid.
 
         Raises:
-            StoppedError: The action can move the robot and the station is stopped.
+            StoppedError: `moves` is true and the station is stopped.
             LoopError: The loop died or hangs.
         """
 
@@ -156,23 +157,23 @@ class Robots:
         return self._loop.run_in_cycle(act, moves=moves)
 
     def delay_next_cycle(self, cycles: int) -> None:
-        """Let the loop's next cycle begin late by some nominal periods."""
+        """Make the loop's next cycle begin late by some nominal periods."""
         self._loop.delay_next_cycle(cycles)
 
     def forget_interrupted(self) -> None:
-        """Forget which controllers an error has stopped: no recovery restarts them."""
+        """Forget the controllers that an error has stopped: no recovery starts them."""
         self._manager.controller_update.interrupted = ()
 
     def recover(self, name: str, *, restart: bool = False) -> tuple[str, ...]:
-        """Clear a robot's errors; every command from before is void.
+        """Clear a robot's errors; every earlier command is void.
 
-        Nothing happens when there is no error. Returns when the robot is at rest, or at
-        once while time is paused.
+        Without an error nothing happens. Returns when the robot is at rest, or at once
+        while time is paused.
 
         Args:
             name: The robot.
-            restart: Start the controllers again that the interruption stopped, with an
-                update whose period is zero first; otherwise they stay stopped.
+            restart: Whether to start the controllers again that the interruption has
+                stopped, with a first update whose period is zero.
 
         Returns:
             Names of the controllers that were started again.
@@ -210,7 +211,7 @@ class Robots:
             self._loop.stop_latch.check()
 
         def clear() -> bool:
-            # All of them first: either all recover or none does.
+            # Check all of them first: either all recover or none does.
             for robot in robots:
                 robot.check_recovery()
             recovered = [robot.name for robot in robots if robot.error_recovery()]
@@ -246,7 +247,7 @@ class Robots:
         for _ in range(_LONGEST_RECOVERY):
             if not robot.is_recovering() or self._loop.pace.paused:
                 return
-            # Without a control thread the caller itself makes the cycles.
+            # Without a control thread the caller runs the cycles itself.
             if self._manager.pump is not None:
                 self._manager.pump()
             else:
@@ -271,5 +272,5 @@ class Robots:
 
 
 def _name_of(action: Callable[..., object]) -> str:
-    """Return the qualified name of an action, for people."""
+    """Return the qualified name of an action."""
     return str(getattr(action, "__qualname__", type(action).__qualname__))

@@ -24,7 +24,7 @@ from station.reports import Clearance
 
 
 class StationScene:
-    """Holds the objects and lets the robots' guards know. Any thread.
+    """Holds the objects, and passes them to the robots' guards. Any thread.
 
     Solid objects are bodies of the simulated world, which is built once: they can be
     moved, but not added or removed.
@@ -32,8 +32,8 @@ class StationScene:
     Args:
         loop: The loop, not yet started.
         parameters: The root of the parameters, with `scene`.
-        robots: The robots, whose loads are set.
-        inputs: Notes every change.
+        robots: The robots, for the loads of their arms.
+        inputs: Receives every change.
 
     Raises:
         ParameterError: The scene is malformed, or the robot has no guard for its roles.
@@ -79,19 +79,19 @@ class StationScene:
         ]
 
     def clearances(self) -> list[Clearance]:
-        """Return the nearest pair of each arm that keeps clear of something."""
+        """Return the nearest pair of each arm that has something to keep clear of."""
         found = (guard.report() for guard in self._guards)
         return [one for one in found if one is not None]
 
     def clearance(self, arm_id: str) -> Clearance | None:
-        """Return the nearest pair of an arm; None if it keeps clear of nothing."""
+        """Return the nearest pair of an arm; None without anything to keep clear of."""
         return next((one for one in self.clearances() if one.arm == arm_id), None)
 
     def nearest_at(self, positions: Mapping[str, float]) -> list[Clearance]:
-        """Return the nearest pair of each arm in a pose; for copies of a station only.
+        """Return the nearest pair of each arm in a pose; only in a copy of a station.
 
         Args:
-            positions: Joint name to position [rad]; others stay where they are.
+            positions: Joint name to position [rad]; other joints stay as they are.
         """
         found = (guard.nearest_at(positions) for guard in self._guards)
         return [one for one in found if one is not None]
@@ -100,12 +100,12 @@ class StationScene:
         """Add an object, or change the object of that name.
 
         Args:
-            name: Its name.
-            values: Keys of `scene/objects`; other keys keep their values.
+            name: Name of the object.
+            values: Values by the keys of `scene/objects`; other keys stay.
 
         Raises:
             ParameterError: A value is impossible.
-            SceneRefusedError: A solid object cannot be changed so while it runs.
+            SceneRefusedError: A solid object refuses such a change while it runs.
             LoopError: The loop died or hangs.
         """
         with self._lock:
@@ -134,7 +134,7 @@ class StationScene:
 
         Raises:
             SceneObjectNotFoundError: There is no object of that name.
-            SceneRefusedError: It is solid.
+            SceneRefusedError: The object is solid.
             LoopError: The loop died or hangs.
         """
         with self._lock:
@@ -152,17 +152,17 @@ class StationScene:
     def attach(
         self, name: str, arm_id: str = "", *, load: bool = True
     ) -> SceneObjectReport:
-        """Let an arm carry an object: it moves with the hand, and is guarded with it.
+        """Let an arm carry an object, which then moves and is guarded with the hand.
 
         Args:
             name: The object; it is attached at its present pose.
-            arm_id: The arm; may be empty where there is only one.
+            arm_id: The arm; may be empty if there is only one.
             load: Whether the load of the arm is set, too.
 
         Raises:
             SceneObjectNotFoundError: There is no object of that name.
-            SceneRefusedError: It is carried already, a fence or a half-space, or the
-                robot has no such arm.
+            SceneRefusedError: The object is carried already, or is a fence or a
+                half-space, or the robot has no such arm.
             RobotDescriptionError: A mesh cannot be used.
             InvalidCommandError: The arm cannot carry that mass.
             ArmCommandError: The arm moves, so that its load cannot be set.
@@ -186,15 +186,16 @@ class StationScene:
         return next(one for one in self.report() if one.name == name)
 
     def detach(self, name: str, *, load: bool = True) -> SceneObjectReport:
-        """Let an object stay at its present pose; no arm carries it any more.
+        """Let an object stay at its present pose, no longer carried by an arm.
 
         Args:
             name: The object.
-            load: Whether the load of the arm is set to the rest.
+            load: Whether the load of the arm is set to the objects that it still
+                carries.
 
         Raises:
             SceneObjectNotFoundError: There is no object of that name.
-            SceneRefusedError: No arm carries it.
+            SceneRefusedError: No arm carries the object.
             ArmCommandError: The arm moves, so that its load cannot be set.
             LoopError: The loop died or hangs.
         """
@@ -210,7 +211,7 @@ class StationScene:
         return next(one for one in self.report() if one.name == name)
 
     def _change_load(self, thing: SceneObject, arm_id: str, *, told: bool) -> None:
-        """Exchange an object that an arm carries from now on, or no longer."""
+        """Replace an object, and set the load of the arm that takes or releases it."""
         change = self._exchange([thing])
         if told:
             others = [one for one in self._objects if one.name != thing.name]
@@ -225,7 +226,7 @@ class StationScene:
                 ),
                 moves=service.moves,
             )
-        # The load first: an arm that moves refuses it, and nothing has changed.
+        # The load is set first: a moving arm refuses it, and nothing has changed then.
         self._loop.run_in_cycle(change)
 
     def _find(self, name: str) -> SceneObject:
@@ -255,10 +256,11 @@ class StationScene:
             )
 
     def _guard_of(self, arm_id: str) -> SceneGuard:
-        """Return the guard of an arm, or the only one.
+        """Return the guard of an arm; with an empty name, of the only arm.
 
         Raises:
-            SceneRefusedError: There is no guard, or more than one and no name.
+            SceneRefusedError: There is no such guard, or the name is empty and there
+                are several.
         """
         names = [one.arm_id for one in self._guards]
         if arm_id in names:
@@ -299,7 +301,7 @@ class StationScene:
         ]
 
     def replace_roles(self, entries: Sequence[Mapping[str, object]]) -> None:
-        """Replace all objects that are not solid, and that no arm carries.
+        """Replace all objects except those that are solid or carried by an arm.
 
         Args:
             entries: Objects, as in `scene/objects`.
@@ -326,7 +328,7 @@ class StationScene:
         removed: Sequence[str],
         placed: Sequence[str],
     ) -> None:
-        """Change the scene as an input says that was noted with these arguments.
+        """Repeat a change of the scene that was noted as an input.
 
         Args:
             changed: The objects that changed, as `_noted` returns them.
@@ -342,10 +344,10 @@ class StationScene:
             self._loop.run_in_cycle(self._exchange(things, removed, placed))
 
     def _refuse_rebuilding(self, old: SceneObject, new: SceneObject) -> None:
-        """Refuse to change more of a body of the simulated world than its place.
+        """Refuse a change that would need another body in the simulated world.
 
         Raises:
-            SceneRefusedError: More than pose, role or margin is to change.
+            SceneRefusedError: More changes than pose, role, margin, links or colour.
         """
         world = self._loop.hw.simulated_world()
         same = replace(
@@ -373,12 +375,12 @@ class StationScene:
         """Return a function for the control thread that changes the scene.
 
         Args:
-            changed: Objects that are new, or take the place of those of their names.
-            removed: Names of objects that have been removed.
+            changed: Objects that are new, or replace the objects of the same name.
+            removed: Names of objects to remove.
             placed: Names of bodies of the simulated world that move to their pose.
 
         Raises:
-            ParameterError: The robot has no guard for the roles, or not the links.
+            ParameterError: The robot has no guard for the roles, or lacks the links.
             RobotDescriptionError: A mesh cannot be used.
         """
         gone = {*removed, *(one.name for one in changed)}
@@ -403,7 +405,7 @@ class StationScene:
         """Refuse a role for a link that no robot has.
 
         Raises:
-            ParameterError: There is one.
+            ParameterError: The object names such a link.
         """
         for name in thing.links:
             if not any(guard.knows(name) for guard in self._guards):
@@ -416,17 +418,17 @@ class StationScene:
                 )
 
     def _changes(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
-        """Return a function for the control thread that lets all guards know.
+        """Return a function for the control thread that informs all guards.
 
         Raises:
-            ParameterError: The robot has no guard for the roles, or not the links.
+            ParameterError: The robot has no guard for the roles, or lacks the links.
             RobotDescriptionError: A mesh cannot be used.
         """
         free = self._loop.hw.unguarded()
         for one in objects:
             if one.role == "object":
                 continue
-            # A role for some links alone is one for the arms that have them.
+            # A role for certain links concerns only the arms that have them.
             if not free or (one.links and self._guards):
                 self._refuse_unknown_links(one)
                 continue
@@ -439,8 +441,8 @@ class StationScene:
                 + (", or the links that it is for." if self._guards else "."),
                 details={"parameter": "scene/objects", "robots": [*free]},
             )
-        # Rows and hulls are made here; the control thread only exchanges them, all in
-        # one cycle, because arms know each other's capsules.
+        # Rows and hulls are computed here. The control thread only exchanges them, all
+        # in one cycle, because each arm uses the capsules of the others.
         changes = [one.carry(objects) for one in self._guards]
         changes += [one.prepare(objects, self._arm_margin) for one in self._guards]
 
@@ -455,7 +457,7 @@ def _arm_margin(parameters: Parameters) -> float | None:
     """Return the distance that arms keep from each other [m]; None for none.
 
     Raises:
-        ParameterError: It is no number of 0 or more.
+        ParameterError: The value is not a number >= 0.
     """
     found = parameters.get("scene/arm_margin", None)
     if found is None:
@@ -488,16 +490,16 @@ def _entry(thing: SceneObject) -> dict[str, object]:
 
 
 def _noted(thing: SceneObject) -> dict[str, object]:
-    """Return all properties of an object as JSON."""
+    """Return all properties of an object as JSON-compatible values."""
     grip = [*thing.grip.xyz, *thing.grip.quaternion]
     return {**_entry(thing), "carried_by": thing.carried_by, "grip": grip}
 
 
 def _repeated(noted: Mapping[str, Any]) -> SceneObject:
-    """Return the object of an input that `_noted` has written.
+    """Return the object whose properties `_noted` has returned.
 
     Raises:
-        ParameterError: It is impossible, such as a mesh whose file is gone.
+        ParameterError: The object is impossible, such as a mesh whose file is gone.
     """
     own = ("carried_by", "grip")
     entry = {key: value for key, value in noted.items() if key not in own}

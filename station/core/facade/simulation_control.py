@@ -15,9 +15,9 @@ from station.core.loop.pace import check_real_time_factor
 from station.reports import LoopState, Simulation
 
 MOST_STEPS = 10_000
-"""Most cycles of one `step`; ten seconds at 1 kHz."""
-# How often a waiting `step` looks at the loop [s], and how much longer than twice the
-# nominal time it waits [s].
+"""Largest number of cycles of one `step`; ten seconds at 1 kHz."""
+# Interval at which a waiting `step` looks at the loop [s], and its patience beyond
+# twice the nominal time [s].
 _WAKE = 0.002
 _GRACE = 2.0
 
@@ -25,11 +25,11 @@ _GRACE = 2.0
 class SimulationControl:
     """Controls the pace of one loop and the world of its robot.
 
-    Every method refuses a robot that is not simulated.
+    Every method but `find` refuses a robot that is not simulated.
 
     Args:
         loop: The loop.
-        inputs: Record of resets.
+        inputs: Receives every reset.
     """
 
     def __init__(self, loop: ControlLoop, inputs: InputLog | None = None) -> None:
@@ -38,7 +38,7 @@ class SimulationControl:
         self._world = loop.hw.simulated_world()
 
     def find(self) -> Simulation | None:
-        """Return the state of the simulation; None when the robot is real."""
+        """Return the state of the simulation; None if the robot is real."""
         if self._world is None:
             return None
         time, pace = self._world.time(), self._loop.pace
@@ -64,7 +64,7 @@ class SimulationControl:
     def change(
         self, *, paused: bool | None = None, real_time_factor: float | None = None
     ) -> Simulation:
-        """Pause or resume, and change the pace; None changes nothing.
+        """Pause or resume, and change the speed; None leaves a value as it is.
 
         Args:
             paused: Whether station time is to stand still.
@@ -96,10 +96,10 @@ class SimulationControl:
     def step(self, cycles: int = 1) -> Simulation:
         """Run some cycles of a paused simulation; return when they are done.
 
-        The cycles run one after another at the pace of the loop.
+        The cycles run one after another at the speed of the loop.
 
         Args:
-            cycles: How many, 1 … `MOST_STEPS`.
+            cycles: Number of cycles, 1 to `MOST_STEPS`.
 
         Raises:
             ParameterError: `cycles` is out of range.
@@ -142,13 +142,13 @@ class SimulationControl:
         A new epoch begins: set-points and goals from before are void.
 
         Args:
-            positions: Joint name to position [rad or m]; the other joints go
+            positions: Joint name to position [rad or m]; joints that are not named go
                 back to where they began.
-            keyframe: Pose to begin at, for the joints that `positions` does not name.
+            keyframe: Pose in which the joints begin that `positions` does not name.
 
         Raises:
             ParameterError: There is no such keyframe, or a joint is unknown or would be
-                outside of its limits; nothing changed.
+                outside its limits; nothing changed.
             LoopError: The loop died or hangs.
         """
         loop, world = self._loop, self._world
@@ -166,7 +166,7 @@ class SimulationControl:
         return self.report()
 
     def _keyframe(self, world: SimulatedWorld, name: str | None) -> Mapping[str, float]:
-        """Return the positions of a keyframe; none without a name.
+        """Return the positions of a keyframe; empty without a name.
 
         Raises:
             ParameterError: There is no such keyframe.

@@ -1,7 +1,7 @@
-"""The facade: everything that code outside of the control thread may ask and do.
+"""The facade: everything that code outside the control thread may ask and do.
 
-Every method is safe to call from any thread, may block for a moment, and either does
-the whole thing or raises an error of `station.core.errors` and changes nothing.
+Every method is safe to call from any thread, may block for a moment, and either
+succeeds as a whole or raises an error of `station.core.errors` and changes nothing.
 """
 
 import threading
@@ -51,24 +51,24 @@ from station.reports import (
 
 @dataclass(frozen=True, slots=True)
 class StationStatus:
-    """The station at a glance.
+    """A summary of the station.
 
     Attributes:
-        boot_id: Changes with every start of the process.
+        boot_id: Random name of this run of the process.
         epoch: Commands from an older epoch are void.
         time: Station time [s].
         cycle: Number of the last cycle.
         robot_type: Type of the robot, `package/Class`.
-        robot_label: SIMULATION, or REAL ARM with its address, for people.
+        robot_label: SIMULATION, or REAL ARM with its address.
         robot_mode: The robot's mode in one word.
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
-        loop: How the loop is doing.
+        loop: State and statistics of the loop.
         kernel: Whether the arithmetic of the cycle runs interpreted or compiled.
-        simulation: The simulation at a glance; None for a real robot.
-        clamps: Commands that limits have cut off.
+        simulation: State of the simulation; None for a real robot.
+        clamps: Commands that limits have changed.
         command_violations: Number of commands that were written without a claim.
-        last_command_violation: Last write by a foreign controller; None without one.
+        last_command_violation: The last such write, in words; None without one.
     """
 
     boot_id: str
@@ -89,10 +89,10 @@ class StationStatus:
 
 
 def label_robot(hw: RobotHW) -> str:
-    """Return the label that shows people whether a real robot moves.
+    """Return the label that tells people whether a real robot moves.
 
     Args:
-        hw: The robot; one of several counts as real if any of them is.
+        hw: The robot; a combined one is real if any of its robots is.
     """
     if hw.simulated_world() is not None:
         return "SIMULATION"
@@ -102,13 +102,13 @@ def label_robot(hw: RobotHW) -> str:
 
 @dataclass(frozen=True, slots=True)
 class HardwareReport:
-    """The facts about the robot that change rarely.
+    """The facts about the robot that rarely change.
 
     Attributes:
         interfaces: Interfaces that controllers can ask for.
         limits: The joints' limits.
         transmissions: Transmissions between actuators and joints.
-        clamps: Commands that limits have cut off.
+        clamps: Commands that limits have changed.
         repairs: Differences of the robot from its description.
     """
 
@@ -156,7 +156,7 @@ def report_hardware(
 
 
 FRESH = 0.25
-"""A last cycle older than this means that the loop hangs [s]."""
+"""Age of the last cycle beyond which the loop counts as hanging [s]."""
 
 
 class Station:
@@ -165,10 +165,10 @@ class Station:
     Args:
         loop: The loop; started and stopped by its owner.
         manager: The loop's controller manager.
-        parameters: The root of the parameter tree; controllers live under their name.
+        parameters: The root of the parameter tree; each controller has a namespace.
         robot_type: Type of the robot for the status.
         reserved: Names at the root of the tree that no controller may have.
-        fixed: Those of them that cannot be changed while the station runs.
+        fixed: Reserved names whose values cannot be changed while the station runs.
 
     Attributes:
         loop: The loop.
@@ -177,12 +177,12 @@ class Station:
         inputs: Inputs of the station since its first cycle, for re-runs.
         motion: Commands of motion: set-points, trajectories and goals.
         robots: The robots, their services and recovery.
-        tuning: Gains of several controllers at once, and the last change taken back.
+        tuning: Gains of controllers: changed in one cycle, and taken back.
         parameter_server: The tree of parameters, read and changed.
         simulation: Pause, step and reset of a simulated robot.
         surroundings: The objects around the robots, and their roles.
-        watchdog_failure: Why no watchdog looks after the station at the moment; None
-            when one does, or when none is wanted.
+        watchdog_failure: Why no watchdog looks after the station now; None if one does,
+            or if none is wanted.
     """
 
     def __init__(
@@ -214,7 +214,7 @@ class Station:
 
     @property
     def epoch(self) -> int:
-        """The epoch that commands must belong to."""
+        """The present epoch; commands of an older epoch are void."""
         return self.loop.epoch
 
     @property
@@ -239,7 +239,7 @@ class Station:
         return snapshot
 
     def status(self) -> StationStatus:
-        """Return the station at a glance."""
+        """Return a summary of the station."""
         snapshot = self.snapshots.latest()
         latch = self.loop.stop_latch
         violations, last_violation = self.manager.command_violations
@@ -298,7 +298,7 @@ class Station:
         return f"The control loop died: {self.loop.failure_summary()}"
 
     def ready(self) -> str | None:
-        """Return the reason why the station is not ready; None when it is."""
+        """Return the reason why the station is not ready; None if it is ready."""
         dead = self.dead()
         if dead is not None:
             return dead
@@ -322,7 +322,7 @@ class Station:
         for status in self.manager.list_controllers():
             if status.name == name:
                 return status
-        self.manager.get_controller(name)  # raises, and says which ones are loaded
+        self.manager.get_controller(name)  # raises, and names those that are loaded
         return self.controller(name)  # it was loaded in between
 
     def load_controller(
@@ -334,19 +334,19 @@ class Station:
         timeout: float = LOAD_TIMEOUT,
         strict: bool = False,
     ) -> ControllerStatus:
-        """Load a controller; doing the same twice is the same as once.
+        """Load a controller; a second identical call changes nothing.
 
-        No other caller waits: the controller is listed as loading, and
-        `unload_controller` cancels.
+        No other caller waits: meanwhile the controller is listed as loading, and
+        `unload_controller` cancels the loading.
 
         Args:
             name: Name to load it under.
-            controller_type: `package/Class` or `module:Class`; what the parameters
-                under `name` say when left out.
-            params: Its parameters; those in the parameter tree when left out.
-            timeout: How long its import, constructor and init may take [s wall time].
-            strict: Whether a parameter that its type does not know is refused. It is
-                listed in the notes of the controller otherwise, as for parameters that
+            controller_type: `package/Class` or `module:Class`; None takes the type in
+                the parameters under `name`.
+            params: The parameters; None takes those in the parameter tree.
+            timeout: How long import, constructor and `init` may take [s wall time].
+            strict: Whether to refuse a parameter that the type does not know.
+                Otherwise the notes of the controller list it, as with parameters that
                 were written for ROS.
 
         Raises:
@@ -354,7 +354,7 @@ class Station:
                 controller of that name is being loaded.
             ControllerTypeNotFoundError: There is no such type.
             ControllerLoadError: The controller cannot be initialised, or not in time,
-                or its loading was cancelled; nothing stays loaded.
+                or its loading was cancelled; it is not loaded.
             ParameterError: A parameter is missing or impossible.
         """
         with ExitStack() as stack:
@@ -401,7 +401,7 @@ class Station:
         """Start and stop controllers, all in one cycle.
 
         Raises:
-            StoppedError: The station is stopped and something is to be started.
+            StoppedError: The station is stopped and a controller is to be started.
             SwitchRefusedError: The switch is not possible; nothing changed.
             SwitchTimeoutError: The hardware did not finish the switch in time.
             LoopError: The loop died.
@@ -430,15 +430,16 @@ class Station:
 
         Args:
             name: The component.
-            state: The state.
-            stop_controllers: Whether the controllers that command it, and those that
-                command these, are stopped before it leaves its active state.
+            state: The new state.
+            stop_controllers: Whether to stop first the controllers that command the
+                component, and the controllers that command these, if it is to leave the
+                active state.
 
         Raises:
             HardwareComponentNotFoundError: There is no such component.
             HardwareComponentError: It is in use or finalized, or a hook refuses.
             SwitchRefusedError: Its controllers cannot be stopped.
-            SwitchTimeoutError: They cannot be stopped in time.
+            SwitchTimeoutError: Its controllers cannot be stopped in time.
             LoopError: The loop died.
         """
         self.loop.check_alive()
@@ -469,7 +470,7 @@ class Station:
         return self.manager.get_controller(name).published()
 
     def stop(self, reason: str) -> None:
-        """Stop every controller in the next cycle and let nothing move until armed."""
+        """Stop every controller in the next cycle; nothing moves until it is armed."""
         self.loop.stop_latch.engage(reason)
         self.inputs.note_stop(reason)
         if self.loop.state is not LoopState.RUNNING:
@@ -481,11 +482,11 @@ class Station:
         self.inputs.note_stop(reason)
 
     def release_stop(self, *, arm: bool) -> StopState:
-        """Release the latched stop, or with `arm` allow motion again.
+        """Release the latched stop; with `arm`, allow motion again.
 
         Raises:
-            StoppedError: `arm` without a release before, or a release of a stop that
-                the loop does not carry out.
+            StoppedError: `arm` is true and the stop is not released, or the stop is to
+                be released and the loop has not carried it out.
         """
         latch, clock = self.loop.stop_latch, self.loop.clock
         deadline = clock.now() + FRESH
