@@ -1,4 +1,4 @@
-"""The interfaces of an arm and its hand, which franka_hw adds to ros_control."""
+"""The interfaces of an arm and its hand, as franka_hw adds them to ros_control."""
 
 from station.core.franka.franka_errors import ArmError as ArmError
 from station.core.franka.franka_interfaces import (

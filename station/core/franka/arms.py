@@ -20,16 +20,15 @@ from station.reports import ArmRecord
 
 @dataclass(frozen=True, slots=True)
 class ArmReport:
-    """An arm at a glance.
+    """A summary of an arm.
 
     Attributes:
-        arm_id: Its name.
+        arm_id: Name of the arm.
         robot_mode: Mode of the arm.
         is_connected: Whether the arm is connected.
-        errors: The present errors, or else the errors that ended the last motion.
-        remedy: Step needed before the arm can move; None when it can move.
-        caution: Error that is about to be raised, and a remedy; None when there is
-            none.
+        errors: The present errors; if there are none, those that ended the last motion.
+        remedy: Step needed before the arm can move; None if it can move.
+        caution: Error that is about to be raised, and a remedy; None if there is none.
     """
 
     arm_id: str
@@ -66,9 +65,9 @@ class ArmModelReport:
 class Arms:
     """The Franka arms of one station.
 
-    Every method with an `arm_id` raises `ArmNotFoundError` when there is no such arm,
-    and `LoopError` when the loop died or hangs. The methods of simulated arms raise
-    `ArmCommandError` when the arm is not simulated.
+    Every method with an `arm_id` raises `ArmNotFoundError` if there is no such arm, and
+    `LoopError` if the loop died or hangs. Methods for simulated arms raise
+    `ArmCommandError` if the arm is not simulated.
 
     Args:
         robots: The robots of the station.
@@ -82,11 +81,11 @@ class Arms:
         return self._robots.names(FrankaServices)
 
     def reports(self) -> list[ArmReport]:
-        """Return all arms at a glance."""
+        """Return a summary of every arm."""
         return [self.report(arm_id) for arm_id in self.names()]
 
     def report(self, arm_id: str) -> ArmReport:
-        """Return an arm at a glance."""
+        """Return a summary of an arm."""
         arm = self._find(arm_id)
         return ArmReport(
             arm.name,
@@ -98,7 +97,7 @@ class Arms:
         )
 
     def state(self, arm_id: str) -> RobotState:
-        """Return a copy of an arm's whole state."""
+        """Return a copy of the complete state of an arm."""
         return self._robots.run(self._find(arm_id).get_robot_state)
 
     def log(self, arm_id: str) -> list[ArmRecord]:
@@ -131,15 +130,15 @@ class Arms:
     def set_user_stop(self, arm_id: str, *, pressed: bool) -> None:
         """Press or release the user stop of a simulated arm; see `ArmSimulation`.
 
-        Either makes every earlier command void.
+        Both make every earlier command void.
         """
         arm, simulation = self._find(arm_id), self._simulation(arm_id)
         did = "pressed" if pressed else "released"
 
         def press() -> None:
             simulation.set_user_stop(pressed=pressed)
-            # A person at the arm has ended the motion; a later recovery must not bring
-            # it back.
+            # A person at the arm has ended the motion, so a later recovery must not
+            # resume it.
             if not pressed:
                 self._robots.forget_interrupted()
 
@@ -189,7 +188,7 @@ class Arms:
         self._robots.run(self._simulation(arm_id).clear_faults)
 
     def reader(self, arm_id: str) -> Callable[[], RobotState]:
-        """Return a function that copies an arm's whole state; control thread only.
+        """Return a function that copies an arm's state; it is for the control thread.
 
         Raises:
             ArmNotFoundError: There is no such arm.

@@ -1,11 +1,11 @@
-"""The speed at which a contact with a person would stay below a limit: an estimate.
+"""Estimate the speed at which a contact with a person would stay below a limit.
 
-It is no safety function: nothing is stopped by it, nobody has certified it, and the
-masses of a real arm, its tool and its load are not known exactly.
+This is not a safety function: it stops nothing, it is not certified, and the masses of
+a real arm, its tool and its load are not known exactly.
 
 Source: ISO/TS 15066:2016, annex A: a contact of two masses through the spring of a body
 region, F = v sqrt(mu k), with the reduced mass mu of both; differs: the mass of the
-robot is the effective one along the direction, not half of that of its moving parts.
+robot is the effective one along the direction, not half the mass of its moving parts.
 """
 
 from collections.abc import Sequence
@@ -14,13 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Speed below which there is no direction of motion [m/s].
+# Speed below which the motion has no direction [m/s].
 _AT_REST = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
 class BodyRegion:
-    """A region of the body.
+    """A region of the human body.
 
     Attributes:
         force: Largest force of a transient contact [N].
@@ -45,13 +45,15 @@ REGIONS = {
     "thigh": BodyRegion(440.0, 50e3, 75.0),
     "shin": BodyRegion(260.0, 60e3, 75.0),
 }
-"""Twice the force of a quasi-static contact. Skull and face have no permitted value.
+"""The forces are twice those of a quasi-static contact. Skull and face have no
+permitted value.
 
-Source: ISO/TS 15066:2016, tables A.2 and A.3, which are not public. Compared with the
-figures that others publish: springs and masses are those of
-epfl-lasa/human-robot-collider, `collision.py`, for a person of 75 kg; the forces agree
-between two further programs, but for the neck, where one has 290 N. Of thigh and shin
-one program has masses of 8 and 4 kg; 75 kg, the whole body, permit less speed.
+Source: ISO/TS 15066:2016, tables A.2 and A.3, which are not public. The figures were
+compared with published ones: springs and masses are those of
+epfl-lasa/human-robot-collider, `collision.py`, for a person of 75 kg. Two further
+programs have the same forces, except for the neck, for which one of them has 290 N. For
+thigh and shin one program has masses of 8 and 4 kg; the 75 kg of the whole body, used
+here, permit less speed.
 """
 
 
@@ -66,10 +68,10 @@ def contact_budget(
         dq: Joint velocities [rad/s], shape (n,).
 
     Returns:
-        `direction` of motion, a unit vector in the base frame, at rest that of the
-        largest effective mass; `effective_mass` along it [kg]; `speed` [m/s]; and by
-        body region `speed` [m/s] up to which the force of a transient contact stays
-        below `force` [N], and its `energy` [J].
+        `direction`, the unit vector of the motion in the base frame, or at rest the
+        direction of the largest effective mass; `effective_mass` along it [kg]; `speed`
+        [m/s]; and for each body region the `speed` [m/s] up to which the force of a
+        transient contact stays below `force` [N], and the `energy` [J] at this speed.
     """
     count = len(dq)
     j = np.array(jacobian, dtype=float).reshape(count, 6).T[:3]

@@ -1,4 +1,4 @@
-"""The errors that an arm reports, with the measured value and its limit.
+"""The errors that an arm reports, each with the measured value and its limit.
 
 Source: libfranka-common@e6aa0fc, the order of the error flags; franka/errors.h, Errors.
 """
@@ -51,7 +51,7 @@ ERROR_NAMES = (
 )
 """Names of the 41 flags, in the order of `RobotState.current_errors`."""
 ERROR_INDEX = {name: index for index, name in enumerate(ERROR_NAMES)}
-"""Place of each name in the flags."""
+"""Index of each name in the flags."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +60,11 @@ class ArmError:
 
     Attributes:
         name: One of `ERROR_NAMES`.
-        where: Joint, axis or quantity concerned, e.g. `joint4`; empty if none is.
+        where: Joint, axis or quantity concerned, e.g. `joint4`; empty if there is none.
         value: Measured value, in `unit`.
         limit: Allowed value, in `unit`.
-        unit: Unit of both; empty if the arm reports neither.
-        cycle: Number of the arm's cycle in which it was raised.
+        unit: Unit of both; empty if the arm reports no values.
+        cycle: Number of the arm's cycle in which the error was raised.
     """
 
     name: str
@@ -76,7 +76,7 @@ class ArmError:
 
     @property
     def description(self) -> str:
-        """The error as one sentence for people; a real arm reports no numbers."""
+        """The error as one sentence; without numbers for a real arm."""
         if not self.unit:
             return f"{self.name} (cycle {self.cycle})"
         place = f" at {self.where}" if self.where else ""

@@ -23,10 +23,10 @@ class FrankaStateHandle(ResourceHandle):
     """Reads the state of one arm. Control thread only.
 
     Args:
-        name: `<arm_id>_robot`.
+        name: Name of the form `<arm_id>_robot`.
         state: The arm's live state.
-        refresh: Brings the derived fields of `state` up to date; cheap if they are.
-        pose: Writes `O_T_EE` only, without a refresh; None if nothing does.
+        refresh: Brings the derived fields of `state` up to date; cheap if they are so.
+        pose: Writes only `O_T_EE`, without a refresh; None to use `refresh`.
     """
 
     def __init__(
@@ -61,14 +61,14 @@ class FrankaStateInterface(HardwareResourceManager[FrankaStateHandle]):
 
 
 POSE_SIZE = 16
-"""Numbers in a pose."""
+"""Count of the numbers in a pose."""
 TWIST_SIZE = 6
-"""Numbers in a twist."""
+"""Count of the numbers in a twist."""
 POSE_START_JUMP = 0.005
 """Largest distance of a first pose command from rest, per element [m or 1]."""
 TWIST_START_JUMP = 0.02
 """Largest distance of a first twist command from rest, per element [m/s or rad/s]."""
-# Memory is copied faster than a tuple, and that in every cycle.
+# A memory, not a tuple, because every cycle copies it, and memory is copied faster.
 _ANY_ELBOW = zeros(2)
 
 
@@ -76,12 +76,12 @@ class FrankaCartesianHandle(FrankaStateHandle):
     """Reads the state of one arm and commands its end effector.
 
     Args:
-        name: `<arm_id>_robot`.
+        name: Name of the form `<arm_id>_robot`.
         state: The arm's live state.
         refresh: Brings the derived fields of `state` up to date.
         command: The robot's storage of the command.
-        elbow: The robot's storage of the elbow command, shape (2,); two zeros let the
-            arm choose.
+        elbow: The robot's storage of the elbow command, shape (2,); with two zeros the
+            arm chooses its elbow.
     """
 
     def __init__(
@@ -108,8 +108,8 @@ class FrankaCartesianHandle(FrankaStateHandle):
         Args:
             command: Pose O_T_EE, 16 numbers, column-major, or twist O_dP_EE, linear
                 [m/s] and angular velocity [rad/s], 6 numbers.
-            elbow: Position of joint 3 [rad] and sign of joint 4, +1 or -1; two zeros
-                let the arm choose.
+            elbow: Position of joint 3 [rad] and sign of joint 4, +1 or -1; with two
+                zeros the arm chooses its elbow.
 
         Raises:
             TypeError: A value is not a number; nothing was commanded.
@@ -120,7 +120,7 @@ class FrankaCartesianHandle(FrankaStateHandle):
 
     @override
     def command_slots(self) -> list[tuple[Storage, int]]:
-        # Not the elbow: its rest, zeros, is no command of a position.
+        # Without the elbow: zeros are its rest, but they are no position.
         return [(self._command, index) for index in range(len(self._command))]
 
 

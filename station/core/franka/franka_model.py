@@ -1,4 +1,4 @@
-"""Kinematics and dynamics of an arm; asking claims nothing.
+"""Kinematics and dynamics of an arm; asking for a handle claims nothing.
 
 All matrices are flat and column-major, as libfranka has them: a pose T has 16 numbers,
 T(r, c) = T[4 c + r]; a Jacobian has 42, J(r, c) = J[6 c + r], rows vx vy vz wx wy wz.
@@ -42,7 +42,7 @@ class Frame(Enum):
     STIFFNESS = 9
 
     def __init__(self, index: int) -> None:
-        # Read in every cycle: `value` takes four times as long.
+        # An attribute, because `value` takes four times as long in every cycle.
         self.index = index
 
 
@@ -57,7 +57,7 @@ class FrankaModel(ABC):
         m_total: float,
         F_x_Ctotal: Sequence[float],
     ) -> list[float]:
-        """Return the mass matrix [kg m^2], 49 numbers; rotors do not count.
+        """Return the mass matrix [kg m^2], 49 numbers, without the motors' rotors.
 
         Args:
             q: Joint positions [rad], shape (7,).
@@ -75,7 +75,7 @@ class FrankaModel(ABC):
         m_total: float,
         F_x_Ctotal: Sequence[float],
     ) -> list[float]:
-        """Return C(q, dq) dq [Nm], shape (7,).
+        """Return the Coriolis and centrifugal torques C(q, dq) dq [Nm], shape (7,).
 
         Args:
             q: Joint positions [rad], shape (7,).
@@ -122,11 +122,12 @@ class FrankaModel(ABC):
     def pose_source(
         self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
     ) -> ModelSource:
-        """Return a source of the pose of a frame, see `pose`, for every cycle.
+        """Return a source that writes the pose of a frame in every cycle; see `pose`.
 
         Args:
             frame: The frame.
-            q: Joint positions [rad], shape (7,); read in every cycle, as the others.
+            q: Joint positions [rad], shape (7,). The source reads this memory, and the
+                memory of the other arguments, in every cycle.
             F_T_EE: End effector in the flange frame, 16 numbers.
             EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
         """
@@ -152,21 +153,22 @@ class FrankaModel(ABC):
     def zero_jacobian_source(
         self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
     ) -> ModelSource:
-        """Return a source of a frame's Jacobian, see `zero_jacobian`, for every cycle.
+        """Return a source that writes `zero_jacobian` of a frame in every cycle.
 
         Args:
             frame: The frame.
-            q: Joint positions [rad], shape (7,); read in every cycle, as the others.
+            q: Joint positions [rad], shape (7,). The source reads this memory, and the
+                memory of the other arguments, in every cycle.
             F_T_EE: End effector in the flange frame, 16 numbers.
             EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
         """
         return _written(self.zero_jacobian, frame, q, F_T_EE, EE_T_K)
 
     def coriolis_source(self, state: RobotState) -> ModelSource:
-        """Return a source of C(q, dq) dq with the arm's load, see `coriolis`.
+        """Return a source that writes `coriolis` with the arm's load in every cycle.
 
         Args:
-            state: The arm's live state; read in every cycle.
+            state: The arm's live state; the source reads it in every cycle.
         """
         q, dq = state.doubles("q"), state.doubles("dq")
         inertia, center = state.doubles("I_total"), state.doubles("F_x_Ctotal")
@@ -197,7 +199,7 @@ class FrankaModel(ABC):
     def clearance(self, q: Sequence[float]) -> float:
         """Return the distance of the arm's two closest parts [m]; takes about 0.1 ms.
 
-        A hand counts as mounted. Negative when they overlap.
+        A hand counts as mounted. The distance is negative if the parts overlap.
 
         Args:
             q: Joint positions [rad], shape (7,).
@@ -209,7 +211,7 @@ def _written(
     frame: Frame,
     *memory: Doubles,
 ) -> ModelSource:
-    """Return a source that writes a function of a frame into memory."""
+    """Return a source that writes a function of a frame and of memory."""
     return ModelSource(lambda result: put(result, compute(frame, *memory)))
 
 
@@ -219,7 +221,7 @@ class FrankaModelHandle(ResourceHandle):
     The methods use the present state; `model` has the same methods with arguments.
 
     Args:
-        name: `<arm_id>_model`, or the alias `<arm_id>_robot`.
+        name: Name of the form `<arm_id>_model`, or the alias `<arm_id>_robot`.
         model: The arm's model.
         state: The arm's live state.
 
@@ -242,7 +244,7 @@ class FrankaModelHandle(ResourceHandle):
         self._center = state.doubles("F_x_Ctotal")
 
     def get_mass(self) -> list[float]:
-        """Return the mass matrix with everything at the flange [kg m^2], (49,)."""
+        """Return the mass matrix with all loads at the flange [kg m^2], shape (49,)."""
         mass = self._state.m_total
         return self.model.mass(self._q, self._inertia, mass, self._center)
 
@@ -267,7 +269,7 @@ class FrankaModelHandle(ResourceHandle):
         return self.model.pose(frame, self._q, *self._frames)
 
     def pose_source(self, frame: Frame) -> ModelSource:
-        """Return a source of the pose of a frame in the base frame, for every cycle."""
+        """Return a source that writes `get_pose` of a frame in every cycle."""
         return self.model.pose_source(frame, self._q, *self._frames)
 
     def get_zero_jacobian(self, frame: Frame) -> list[float]:
@@ -275,11 +277,11 @@ class FrankaModelHandle(ResourceHandle):
         return self.model.zero_jacobian(frame, self._q, *self._frames)
 
     def zero_jacobian_source(self, frame: Frame) -> ModelSource:
-        """Return a source of `get_zero_jacobian` for every cycle."""
+        """Return a source that writes `get_zero_jacobian` in every cycle."""
         return self.model.zero_jacobian_source(frame, self._q, *self._frames)
 
     def coriolis_source(self) -> ModelSource:
-        """Return a source of `get_coriolis` for every cycle."""
+        """Return a source that writes `get_coriolis` in every cycle."""
         return self.model.coriolis_source(self._state)
 
     def get_body_jacobian(self, frame: Frame) -> list[float]:

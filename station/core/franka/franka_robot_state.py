@@ -50,7 +50,7 @@ class _Array:
         self, state: "RobotState | None", owner: type
     ) -> list[float] | tuple[float, ...]:
         if state is None:
-            return self._default  # what the constructor sets
+            return self._default  # the constructor sets this value
         return [*state.doubles(self._name)]
 
     def __set__(self, state: "RobotState", values: Iterable[float]) -> None:
@@ -97,7 +97,7 @@ SCALARS = ("time", "control_command_success_rate", "m_ee", "m_load", "m_total")
 PackedState = tuple[bytes, tuple[float, ...], tuple[bool, ...]]
 """An arm's state, as `RobotState.packed` returns it."""
 MODE = "robot_mode"
-"""Part of the block that has the number of the mode."""
+"""Name of the part of the block that has the number of the mode."""
 
 
 def array_places() -> dict[str, slice]:
@@ -117,17 +117,17 @@ def _flags() -> list[bool]:
 class RobotState:
     """State of an arm with 7 joints.
 
-    The arm owns the object and changes it in place in `RobotArm.read_once`. All others
-    only read, in the control thread; elsewhere a `copy` is used.
+    The arm owns the object and changes it in place in `RobotArm.read_once`. Other code
+    only reads it, in the control thread; other threads use a `copy`.
 
-    The arrays are parts of one block of doubles. Reading one, `state.q`, returns a new
-    list; assigning, `state.q = values`, copies n numbers into it. The hot path and the
-    handles use the memory itself, `state.doubles("q")`.
+    The arrays are parts of one block of doubles. Reading an array, `state.q`, returns a
+    new list; assigning, `state.q = values`, copies n numbers into it. The control cycle
+    and the handles use the memory itself, `state.doubles("q")`.
 
     Fields after `control_command_success_rate` are derived from those before and from
-    settings. Poses, twists and elbows are brought up to date when
-    `FrankaStateHandle.get_robot_state` asks for them, so that they take no time unless
-    they are used; frames and loads change at once with their settings.
+    settings. Poses, twists and elbows are only computed when
+    `FrankaStateHandle.get_robot_state` asks for them, to save time; frames and loads
+    change at once with their settings.
 
     Poses have 16 numbers and tensors 9, flat and column-major: T(r, c) = T[4 c + r].
     Twists are linear, then angular velocity; wrenches force, then torque. Frames: O the
@@ -138,27 +138,28 @@ class RobotState:
         q: Measured positions [rad], shape (7,).
         dq: Measured velocities [rad/s], shape (7,).
         tau_J: Measured link-side torques, gravity included [Nm], shape (7,).
-        dtau_J: Their rate [Nm/s], shape (7,).
+        dtau_J: Rates of these torques [Nm/s], shape (7,).
         q_d: Desired positions [rad], shape (7,).
         dq_d: Desired velocities [rad/s], shape (7,).
         ddq_d: Desired accelerations [rad/s^2], shape (7,).
         tau_J_d: Desired link-side torques without gravity; 0 when idle [Nm], (7,).
         theta: Motor-side positions [rad], shape (7,).
         dtheta: Motor-side velocities [rad/s], shape (7,).
-        tau_ext_hat_filtered: Torques on the environment: `tau_J` less what the model
-            needs, low-passed [Nm], shape (7,).
+        tau_ext_hat_filtered: Torques on the environment: `tau_J` minus the torques that
+            the model explains, low-passed [Nm], shape (7,).
         O_F_ext_hat_K: Wrench of the robot on its environment at K, axes of O [N, Nm],
             shape (6,); 0 near singular poses.
-        K_F_ext_hat_K: The same in the axes of K.
+        K_F_ext_hat_K: The same wrench in the axes of K.
         joint_contact: 1 where `tau_ext_hat_filtered` is above the lower threshold,
             else 0, shape (7,).
-        joint_collision: The same for the upper threshold; stays until recovery.
+        joint_collision: As `joint_contact`, for the upper threshold; stays until
+            recovery.
         cartesian_contact: As `joint_contact`, for `K_F_ext_hat_K`, shape (6,).
         cartesian_collision: As `joint_collision`, for `K_F_ext_hat_K`, shape (6,).
         current_errors: Flags in the order of `ERROR_NAMES`, shape (41,).
-        last_motion_errors: Those that ended the last motion; empty flags if none did.
+        last_motion_errors: Flags of the errors that ended the last motion, shape (41,).
         robot_mode: Mode of the arm.
-        time: Since the arm was started [s]; strictly increasing.
+        time: Time since the arm was started [s]; strictly increasing.
         control_command_success_rate: Share of the last 100 commands that arrived, 0 to
             1; 0 while no motion runs.
         O_T_EE: Measured pose of the end effector in O.
@@ -166,25 +167,25 @@ class RobotState:
         O_T_EE_c: Commanded pose, after filter and limits.
         F_T_EE: End effector in the flange frame, `F_T_NE` `NE_T_EE`.
         F_T_NE: Nominal end effector in the flange frame.
-        NE_T_EE: End effector in the nominal one; `set_EE_frame`.
+        NE_T_EE: End effector in the nominal end effector frame; `set_EE_frame`.
         EE_T_K: Stiffness frame in the end effector; `set_K_frame`.
         m_ee: Mass of the end effector [kg].
         F_x_Cee: Its centre of mass in F [m], shape (3,).
-        I_ee: Its inertia about that, axes of F [kg m^2].
+        I_ee: Its inertia about this centre, axes of F [kg m^2].
         m_load: Mass of the load [kg]; `set_load`.
         F_x_Cload: Its centre of mass in F [m], shape (3,).
-        I_load: Its inertia about that, axes of F [kg m^2].
-        m_total: Mass of both [kg].
-        F_x_Ctotal: Their common centre of mass in F [m], shape (3,).
-        I_total: Their inertia about that, axes of F [kg m^2].
+        I_load: Its inertia about this centre, axes of F [kg m^2].
+        m_total: Mass of end effector and load [kg].
+        F_x_Ctotal: Centre of mass of end effector and load in F [m], shape (3,).
+        I_total: Their inertia about this centre, axes of F [kg m^2].
         elbow: Position of joint 3 [rad] and sign of the flip of joint 4.
         elbow_d: Desired elbow.
         elbow_c: Commanded elbow.
         delbow_c: Rate of `elbow_c`; the second number is 0 [rad/s].
-        ddelbow_c: Its rate; the second number is 0 [rad/s^2].
+        ddelbow_c: Rate of `delbow_c`; the second number is 0 [rad/s^2].
         O_dP_EE_d: Desired twist of the end effector [m/s, rad/s], shape (6,).
         O_dP_EE_c: Commanded twist, shape (6,).
-        O_ddP_EE_c: Its rate [m/s^2, rad/s^2], shape (6,).
+        O_ddP_EE_c: Rate of `O_dP_EE_c` [m/s^2, rad/s^2], shape (6,).
         O_ddP_O: Acceleration of gravity in O [m/s^2], shape (3,).
     """
 
@@ -239,7 +240,7 @@ class RobotState:
     def __new__(cls, *_args: object, **_values: object) -> "RobotState":
         """Make the block before the fields are set."""
         state = super().__new__(cls)
-        # Past the fields, which are what libfranka has.
+        # Not a field, because libfranka's state does not have it.
         state.__dict__["block"] = Block({**_SIZES, MODE: 1})
         return state
 
@@ -268,7 +269,7 @@ class RobotState:
         return block.memory[: 8 * _SIZES["q"]]
 
     def packed(self) -> PackedState:
-        """Return a copy in three pieces, which takes a tenth of the time of `copy`.
+        """Return a copy in three pieces, in a tenth of the time of `copy`.
 
         Returns:
             The block of doubles in the order of the arrays' fields; `SCALARS`; the
@@ -287,7 +288,7 @@ class RobotState:
 
     @classmethod
     def unpacked(cls, packed: PackedState) -> "RobotState":
-        """Return the copy that `packed` has made, as `copy` would have returned it."""
+        """Return the state that `packed` has copied."""
         memory, scalars, flags = packed
         state = cls()
         block: Block = state.__dict__["block"]

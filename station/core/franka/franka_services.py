@@ -1,12 +1,11 @@
 """Services of franka_control: settings, recovery and connection of an arm.
 
 Source: franka_ros@c11f000 franka_hw/src/services.cpp and
-franka_control/src/franka_control_node.cpp; differs: all of it is one handle per arm,
-called in the control thread, and a refusal raises an error with its reason.
+franka_control/src/franka_control_node.cpp; differs: all services of an arm are one
+handle, called in the control thread, and a refusal raises an error with its reason.
 
-Only a simulated arm offers buttons, pushes and faults (`ArmSimulation`): people press
-the user stop and the guiding buttons of a real one, and nobody can order a sensor to
-fail.
+Only a simulated arm offers buttons, pushes and faults (`ArmSimulation`): at a real arm
+people press the user stop and the guiding buttons, and sensors fail by themselves.
 """
 # ruff: noqa: N802, N803 - NE_T_EE, EE_T_K, F_x_center_load are libfranka's names.
 
@@ -73,7 +72,7 @@ class ArmSimulation(ABC):
 
     @abstractmethod
     def set_guiding(self, *, pressed: bool) -> None:
-        """Press or release the guiding buttons; pressed, the arm gives way to pushes.
+        """Press or release the guiding buttons; while pressed, the arm gives way.
 
         Args:
             pressed: Whether the buttons are down from now on.
@@ -84,7 +83,7 @@ class ArmSimulation(ABC):
 
     @abstractmethod
     def set_brakes(self, *, closed: bool) -> None:
-        """Close or open the brakes of all joints; closed, the arm is in mode Other.
+        """Close or open the brakes of all joints; while closed, the mode is Other.
 
         Args:
             closed: Whether the joints are locked from now on; a motion ends.
@@ -108,8 +107,8 @@ class ArmSimulation(ABC):
             force: Force [N], shape (3,).
             torque: Torque [Nm], shape (3,).
             duration: Duration of the push [s], > 0.
-            frame: Axes of `force` and `torque`: `world`, or the name of a link, with
-                which they turn.
+            frame: Axes of `force` and `torque`: `world`, or the name of a link, whose
+                axes turn with it.
             point: Point of application, in the link's frame [m], shape (3,); None for
                 the link's centre of mass.
 
@@ -121,14 +120,14 @@ class ArmSimulation(ABC):
     def inject(self, fault: SimulatedFault) -> None:
         """Begin a fault; a running fault of the same kind and joint is replaced.
 
-        The arm does nothing about a delayed cycle, which the control loop carries out.
+        A delayed cycle does not concern the arm: the control loop carries it out.
 
         Args:
             fault: The fault.
 
         Raises:
             InvalidCommandError: The fault lasts too long.
-            HardwareInterfaceError: The arm has nothing that a collision could hit.
+            HardwareInterfaceError: The arm has no part that a collision could hit.
         """
 
     @abstractmethod
@@ -184,7 +183,7 @@ class FrankaServices(RecoverableRobot):
 
     @abstractmethod
     def errors(self) -> list[ArmError]:
-        """Return the present errors, or else the errors that ended the last motion."""
+        """Return the present errors; if none, those that ended the last motion."""
 
     @abstractmethod
     def near_errors(self) -> list[ArmError]:
@@ -198,9 +197,9 @@ class FrankaServices(RecoverableRobot):
     def contact_budget(self) -> dict[str, Any]:
         """Estimate the speeds at which a contact stays below a person's limits.
 
-        By body region, for the present pose and direction of motion of the end
-        effector; at rest for the direction of the largest effective mass. An estimate,
-        no safety function.
+        The result has a speed for each body region, for the present pose and the
+        direction in which the end effector moves; at rest, for the direction of the
+        largest effective mass. It is an estimate and not a safety function.
         """
         model, state = self.model(), self.get_robot_state()
         jacobian = model.get_zero_jacobian(Frame.END_EFFECTOR)
@@ -220,7 +219,7 @@ class FrankaServices(RecoverableRobot):
         """Set the internal joint impedance; refused while the arm moves.
 
         Args:
-            joint_stiffness: 0 to 14250 [Nm/rad], shape (7,).
+            joint_stiffness: Stiffness of the joints [Nm/rad], 0 to 14250, shape (7,).
 
         Raises:
             InvalidCommandError: A value is out of range.
@@ -233,11 +232,12 @@ class FrankaServices(RecoverableRobot):
     def set_cartesian_impedance(self, cartesian_stiffness: Sequence[float]) -> None:
         """Set the internal Cartesian impedance; refused while the arm moves.
 
-        The axes are those of the stiffness frame. It acts in the motions of the end
-        effector that begin after the call, until a joint impedance is set.
+        The axes are those of the stiffness frame. The impedance acts in motions of the
+        end effector that begin after the call, until a joint impedance is set.
 
         Args:
-            cartesian_stiffness: 10 to 3000 [N/m] three times, then 1 to 300 [Nm/rad].
+            cartesian_stiffness: Three stiffnesses [N/m], 10 to 3000, then three
+                [Nm/rad], 1 to 300.
 
         Raises:
             InvalidCommandError: A value is out of range.
@@ -288,13 +288,15 @@ class FrankaServices(RecoverableRobot):
         The arm carries the weight of the load from now on.
 
         Args:
-            mass: 0 to the payload of the arm, 3 kg unless configured otherwise [kg].
+            mass: Mass [kg], 0 to the payload of the arm, which is 3 kg unless it is
+                configured otherwise.
             F_x_center_load: Centre of mass in the flange frame [m], shape (3,).
             load_inertia: Inertia about the centre of mass in the axes of the flange
                 [kg m^2], 9 numbers, column-major.
 
         Raises:
-            InvalidCommandError: A value is out of range, or no body has that inertia.
+            InvalidCommandError: A value is out of range, or no body has such an
+                inertia.
             ArmCommandError: The arm moves or is not connected.
         """
 
@@ -303,7 +305,8 @@ class FrankaServices(RecoverableRobot):
         """Set the thresholds of contact and collision.
 
         Args:
-            behavior: The thresholds, each > 0, each lower one at most its upper one.
+            behavior: The thresholds, each > 0; a lower one must not exceed its upper
+                one.
 
         Raises:
             InvalidCommandError: A threshold is impossible.

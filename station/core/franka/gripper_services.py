@@ -3,8 +3,8 @@
 Source: franka_ros@c11f000 franka_gripper/src/franka_gripper.cpp and
 franka_gripper_node.cpp, franka_gripper/action/*.action; libfranka@0.9.2
 include/franka/gripper.h, gripper_state.h; differs: a command begins at once and its
-progress is in the state, and a command that did not reach its aim is aborted with the
-reason, instead of having succeeded with `success` false.
+progress is in the state; a command that misses its aim is aborted with the reason,
+instead of having succeeded with `success` false.
 """
 
 from abc import abstractmethod
@@ -53,9 +53,9 @@ class GraspRequest:
     Attributes:
         width: Expected width of the object [m].
         force: Force of each finger on the object [N].
-        speed: How fast the width changes [m/s].
-        epsilon_inner: How much narrower the object may be [m].
-        epsilon_outer: How much wider the object may be [m].
+        speed: Speed at which the width changes [m/s].
+        epsilon_inner: Largest amount by which the object may be narrower [m].
+        epsilon_outer: Largest amount by which the object may be wider [m].
     """
 
     width: float
@@ -77,7 +77,7 @@ class GripperCommand:
     Attributes:
         identifier: Number of the command in this run.
         action: Kind of the command.
-        status: `ACTIVE`, and then for good `SUCCEEDED`, `ABORTED` (it did not reach
+        status: `ACTIVE` until the end; then `SUCCEEDED`, `ABORTED` (the command missed
             its aim) or `PREEMPTED` (another request ended it).
         message: Why the command did not succeed; empty after a success.
         request: The requested width, force and so on, by name [m, N, m/s].
@@ -100,14 +100,14 @@ class GripperState:
 
     Attributes:
         width: Distance between the fingers [m].
-        max_width: Largest width, as the last homing has measured it [m].
+        max_width: Largest width, as measured by the last homing [m].
         is_grasped: Whether an object of the expected width is held.
         temperature: Temperature of the hand [degree Celsius].
-        time: Time of the hand [s]; never goes back.
+        time: Time of the hand [s]; never decreases.
         activity: The present activity of the fingers.
         force: Force of each finger, > 0 outwards [N].
-        command: The active command; None without.
-        last: The last command that ended; None without.
+        command: The active command; None if there is none.
+        last: The last command that ended; None if there is none.
     """
 
     width: float
@@ -124,8 +124,8 @@ class GripperState:
 class GripperServices(InterruptibleServices):
     """The hand of one arm, under its arm_id. Control thread, between two cycles.
 
-    A command begins at once and ends the command before. No method waits. The hand does
-    not depend on the errors, the recovery and the connection of the arm.
+    A command begins at once and ends the command before. No method waits. The hand is
+    independent of the errors, the recovery and the connection of the arm.
     """
 
     @abstractmethod
@@ -134,7 +134,7 @@ class GripperServices(InterruptibleServices):
 
     @abstractmethod
     def homing(self) -> None:
-        """Close and open the hand all the way; that measures the largest width.
+        """Close and open the hand all the way, to measure the largest width.
 
         Raises:
             GripperCommandError: A controller claims the fingers; nothing changed.
@@ -146,7 +146,7 @@ class GripperServices(InterruptibleServices):
 
         Args:
             width: 0 to the largest width [m].
-            speed: How fast the width changes, above 0 [m/s].
+            speed: Speed at which the width changes, above 0 [m/s].
 
         Raises:
             GripperCommandError: A controller claims the fingers; nothing changed.
@@ -155,7 +155,7 @@ class GripperServices(InterruptibleServices):
 
     @abstractmethod
     def grasp(self, request: GraspRequest) -> None:
-        """Close or open until an object blocks the fingers, and press it from then on.
+        """Close or open until an object blocks the fingers; then keep pressing it.
 
         Args:
             request: Width, force and tolerances of the grasp.
@@ -169,7 +169,7 @@ class GripperServices(InterruptibleServices):
     def stop(self) -> None:
         """Stop the fingers and end their force; possible at any time.
 
-        Fingers that a controller claims go on obeying that controller.
+        If a controller claims the fingers, they continue to obey that controller.
         """
 
     @override

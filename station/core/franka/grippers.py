@@ -15,12 +15,12 @@ from station.core.franka.gripper_services import (
 class Grippers:
     """The grippers of one station's arms.
 
-    Nothing here waits for the fingers: a command begins between two cycles, and the
-    state shows how far it is.
+    No method waits for the fingers: a command begins between two cycles, and the state
+    shows its progress.
 
-    Every method raises `ArmNotFoundError` when there is no such arm,
-    `GripperNotFoundError` when the arm has no gripper, and `LoopError` when the loop
-    died or hangs. Every command but `stop` raises `StoppedError` while the station is
+    Every method raises `ArmNotFoundError` if there is no such arm,
+    `GripperNotFoundError` if the arm has no gripper, and `LoopError` if the loop died
+    or hangs. Every command but `stop` raises `StoppedError` while the station is
     stopped, and the errors of the same method of `GripperServices`.
 
     Args:
@@ -35,7 +35,7 @@ class Grippers:
         return self._robots.run(self._find(arm_id).get_state)
 
     def homing(self, arm_id: str) -> GripperState:
-        """Begin to close and to open a gripper all the way."""
+        """Begin to close and then open a gripper all the way."""
         return self._begin(arm_id, lambda gripper: gripper.homing())
 
     def move(

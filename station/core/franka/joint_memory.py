@@ -6,8 +6,8 @@ from station.memory.doubles import Doubles, given_or_zeros, own_zeros
 class JointMemory:
     """State and commands of n joints, each quantity of shape (n,).
 
-    The names are libfranka's, but for `positions`. Each part of the cycle reads and
-    writes in place. Memory that is not given is the object's own.
+    The names are libfranka's, except for `positions`. Each part of the cycle reads and
+    writes in place. A quantity that is not given gets its own memory.
 
     Args:
         size: Number of joints.
@@ -24,7 +24,7 @@ class JointMemory:
 
     Attributes:
         target: Commanded positions [rad] or velocities [rad/s].
-        target_dq: The velocities that lead to commanded positions [rad/s].
+        target_dq: Velocities that lead to the commanded positions [rad/s].
         last_tau_J: Link-side torques of the cycle before [Nm].
         torques: Commanded torques [Nm].
         sent: Commanded torques of the cycle before [Nm].

@@ -11,7 +11,7 @@ from station.memory.vectors import copy_into
 
 
 class ModelSource:
-    """Writes it by a Python function; a subclass does without one.
+    """Writes a quantity with a Python function; subclasses need no function.
 
     Args:
         function: Writes the numbers into memory.
@@ -21,7 +21,7 @@ class ModelSource:
         self.function: Callable[[Doubles], object] | None = function
 
     def write(self, result: Doubles) -> None:
-        """Write the present numbers."""
+        """Write the quantity in the present state."""
         if self.function is not None:
             self.function(result)
 
@@ -30,8 +30,8 @@ class ToolPoseSource(ModelSource):
     """Writes the pose of a body fixed to the flange of an arm, 16 numbers.
 
     Args:
-        dynamics: The arm.
-        q: Its joint positions [rad], shape (n,).
+        dynamics: The dynamics of the arm.
+        q: Joint positions of the arm [rad], shape (n,).
         links: Poses of the links, and of the flange, that `dynamics` places.
         tool: Pose of the body in the frame of the flange, 16 numbers.
     """
@@ -58,7 +58,7 @@ class ToolJacobianSource(ModelSource):
     """Writes the Jacobian of a body fixed to the flange, in the axes of the base.
 
     Args:
-        pose: Writes the pose of the fixed tool.
+        pose: Source of the pose of the body.
     """
 
     def __init__(self, pose: ToolPoseSource) -> None:
@@ -76,13 +76,13 @@ class CoriolisSource(ModelSource):
     """Writes the Coriolis and centrifugal torques [Nm], shape (n,).
 
     Args:
-        dynamics: The arm.
-        state: Its state: `m_total` is looked at in every cycle.
-        q: Its joint positions [rad], shape (n,).
-        dq: Its joint velocities [rad/s], shape (n,).
+        dynamics: The dynamics of the arm.
+        state: State of the arm; its `m_total` is read in every cycle.
+        q: Joint positions of the arm [rad], shape (n,).
+        dq: Joint velocities of the arm [rad/s], shape (n,).
         center: Centre of mass of end effector and load, `F_x_Ctotal` [m], shape (3,).
-        inertia: Its inertia, `I_total` [kg m^2], shape (9,).
-        put_load: Gives `dynamics` the load of the state.
+        inertia: Inertia of both, `I_total` [kg m^2], shape (9,).
+        put_load: Writes the load of the state into `dynamics`.
     """
 
     def __init__(
@@ -116,7 +116,7 @@ class CoriolisSource(ModelSource):
         self.dynamics.coriolis(self.dq, result)
 
     def is_another_load(self) -> bool:
-        """Return whether `dynamics` may carry another load; note the present one."""
+        """Return whether the load differs from that in `dynamics`; store it."""
         mass: float = self.state.m_total
         differs = self.changes != self.dynamics.changes or mass != self.mass
         self.mass = mass

@@ -26,7 +26,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "damping_intensity": (-1e3, 1e3),
     "alpha": (0.0, 1.0),
 }
-"""Range of each parameter; its unit is Hz for frequencies, dB for the intensity."""
+"""Range of each parameter: frequencies in Hz, the intensity in dB."""
 
 
 class Filter(ABC):
@@ -46,11 +46,11 @@ class Filter(ABC):
 
 
 class WindowFilter(Filter):
-    """Computes something of the last numbers of each channel: their mean, or median.
+    """Computes the mean, the median or the like of the last numbers of each channel.
 
     Args:
-        compute: Returns it for a list of numbers that is not empty.
-        size: How many numbers are kept, > 0.
+        compute: Returns the result for a list of numbers that is not empty.
+        size: Number of last numbers that are kept, > 0.
     """
 
     def __init__(self, compute: Callable[[list[float]], float], size: int) -> None:
@@ -72,8 +72,8 @@ class LowPassFilter(Filter):
 
     Args:
         share: Share of the input, 0 to 1.
-        is_late: Whether the input is that of the cycle before, as in the low-pass of
-            control_filters; otherwise it is the present one.
+        is_late: Whether to use the input of the cycle before, as the low-pass of
+            control_filters does; otherwise the present input.
     """
 
     def __init__(self, share: float, *, is_late: bool) -> None:
@@ -84,7 +84,7 @@ class LowPassFilter(Filter):
 
     @override
     def update(self, values: list[float]) -> list[float]:
-        # The first numbers pass: there is no output before.
+        # The first numbers pass, because there is no output before them.
         last = self._output or values
         taken = (self._input or values) if self._is_late else values
         share = self._share
@@ -130,15 +130,15 @@ _KINDS: Mapping[
         ("alpha",),
     ),
 }
-"""Type without what is filtered: how a filter is made, and its parameters."""
+"""For each type, without the ending in `_FILTERED`: its maker and its parameters."""
 _FILTERED = ("Double", "Wrench", "MultiChannelDouble")
 
 
 class FilterChain:
-    """Filters one after the other.
+    """Applies filters one after the other.
 
     Args:
-        filters: The filters in their order; none lets the numbers pass.
+        filters: The filters in their order; without filters the numbers pass.
     """
 
     def __init__(self, filters: list[Filter]) -> None:
@@ -150,7 +150,7 @@ class FilterChain:
 
         Args:
             value: Value of the parameter: the filters `filter1`, `filter2` and so on;
-                None, `none` or no filters for a chain that lets all pass.
+                None, `none` or no filters for a chain that lets all numbers pass.
             place: Path of the parameter, for messages.
 
         Raises:
@@ -205,7 +205,7 @@ def _read_filter(value: object, place: str) -> Filter:
     for name in names:
         lower, upper = LIMITS[name]
         number = given.get(name)
-        # Written as a chain, so that NaN is refused, too.
+        # One chained comparison, so that NaN is refused, too.
         if not _is_number(number) or not lower <= float(str(number)) <= upper:
             _refuse(
                 f"{place}/params/{name}",

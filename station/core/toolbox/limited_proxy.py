@@ -184,8 +184,8 @@ class LimitedProxy:
     def _drag_proxy(
         self, gains: LimitedProxyGains, missing: float, integral: float, period: float
     ) -> None:
-        # Shift the highest derivative of the proxy that costs effort, and with it the
-        # lower ones, so that the next effort is the clipped one.
+        # Shift the proxy's highest derivative that costs effort, and the lower ones
+        # with it, so that the next effort equals the clipped one.
         half = period / 2.0
         shares = (1.0, half, half * half, half * half * half)
         if gains.mass == 0.0:

@@ -4,7 +4,7 @@ _NEVER = float("-inf")
 
 
 class PublishTimer:
-    """Decides in which cycles to publish, from the station time it is given.
+    """Decides from the station time in which cycles to publish.
 
     Args:
         rate: Rate of publication [Hz]; when it is not positive, nothing is published.
@@ -15,19 +15,19 @@ class PublishTimer:
         self.last = _NEVER
 
     def start(self, time: float, at_once: bool) -> None:  # noqa: FBT001 - for the compiler
-        """Start to count; a timer that was started before is not changed.
+        """Start to count; a timer that was started before does not change.
 
         Args:
             time: Station time [s].
-            at_once: Whether a publication is due in the next cycle already.
+            at_once: Whether the first publication is already due in the next cycle.
         """
         if self.last == _NEVER:
             self.last = time - 1.001 * self.interval if at_once else time
 
     def is_due(self, time: float) -> bool:
-        """Return whether a publication is due, once per publication.
+        """Return whether a publication is due; True once for each publication.
 
-        Publications that were missed are left out.
+        Missed publications are left out.
 
         Args:
             time: Station time [s].

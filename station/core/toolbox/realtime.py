@@ -1,4 +1,4 @@
-"""Pass data between the control thread and others without making it wait."""
+"""Pass data between the control thread and other threads without waiting."""
 
 import threading
 import traceback
@@ -38,17 +38,17 @@ class RealtimeBox(Generic[T]):
 
 
 class RealtimeBuffer(Generic[T]):
-    """Hand the newest value to the control thread, and know whether it is new.
+    """Hand the newest value to the control thread, which sees whether it is new.
 
-    Values must not be changed after they were written.
+    A value must not be changed after it was written.
 
     Args:
         initial: The first value; it does not count as new.
 
     Source:
         realtime_tools@noetic-devel realtime_buffer.h; differs: a reference is swapped
-        instead of two buffers under a lock, so the control thread always gets the
-        newest.
+        instead of two buffers under a lock, so that the control thread always gets the
+        newest value.
     """
 
     def __init__(self, initial: T) -> None:
@@ -84,7 +84,7 @@ KEPT = 0.9999
 class RealtimeClock:
     """Convert the control thread's time into system time, with jitter filtered out.
 
-    Another thread calls `measure` with the system's time now and then. The control
+    Another thread calls `measure` with the system's time from time to time. The control
     thread calls `get_system_time` in every cycle and never waits.
 
     Source:
@@ -104,8 +104,8 @@ class RealtimeClock:
     def get_system_time(self, realtime_time: float) -> float:
         """Return the estimated system time [s]; control thread only.
 
-        A measurement was taken at some time in the last cycle, on average in its
-        middle, so half a cycle is added to it.
+        A measurement was taken at an unknown moment of the last cycle, on average in
+        its middle, so half a cycle is added to it.
 
         Args:
             realtime_time: The control thread's time of this cycle [s].
@@ -212,7 +212,7 @@ FeedbackT = TypeVar("FeedbackT")
 
 
 class RealtimeServerGoalHandle(Generic[FeedbackT]):
-    """Take the outcome from the control thread; `run_non_realtime` reports it.
+    """Let the control thread end a goal; `run_non_realtime` reports the outcome.
 
     The first outcome counts. A goal is canceled only if its cancellation was requested.
 

@@ -1,4 +1,4 @@
-"""Signals that shake a joint or excite it, to measure its response."""
+"""Signals for a joint: noise against stiction, and a sweep to measure its response."""
 
 from math import exp, isfinite, log, pi, sin, sqrt
 from random import Random
@@ -11,7 +11,7 @@ _WORD = 1 << 32
 
 
 class Dither:
-    """Return Gaussian noise of a given standard deviation, against stiction.
+    """Return Gaussian noise with a given standard deviation, against stiction.
 
     The polar method turns two uniform random numbers into two independent Gaussian
     ones; the second one is kept for the next call.
@@ -66,7 +66,7 @@ class Dither:
         return factor * first
 
     def _uniform(self) -> float:
-        # Two words of 32 bits make a number from 0 to 1; the first word is the lower.
+        # Two words of 32 bits make a number from 0 to 1; the first is the lower word.
         low = float(self._random.getrandbits(32))
         high = float(self._random.getrandbits(32))
         fraction = (low + high * float(_WORD)) / (float(_WORD) * float(_WORD))
@@ -74,7 +74,7 @@ class Dither:
 
 
 def _seeded_generator(seed: int) -> Random:
-    # Python seeds the same generator differently from C++.
+    # Seeded as in C++, because Python seeds the same generator differently.
     words = [seed]
     for index in range(1, _STATE_SIZE):
         last = words[-1] ^ (words[-1] >> 30)

@@ -1,4 +1,4 @@
-"""Find the states that a controller reads by names of ROS 2, e.g. `joint1/position`.
+"""Find states for a controller by their names in ROS 2, e.g. `joint1/position`.
 
 Source: ros2_control@6.x hardware_interface/doc/hardware_interface_types_userdoc.rst.
 """
@@ -22,10 +22,10 @@ _NAN = float("nan")
 
 
 def find_state(hw: RobotHW, name: str) -> Read:
-    """Return a function that reads one state of the robot, or of another controller.
+    """Return a function that reads a state of the robot or of another controller.
 
     Args:
-        hw: The robot, as `init` of a controller gets it.
+        hw: The robot, as passed to the controller's `init`.
         name: `<joint>/position`, `…/velocity`, `…/effort`; `<sensor>/force.x`,
             `…/angular_velocity.z` and so on; `<gpio>/<interface>`; or the full name of
             a state that another controller exports.
@@ -40,7 +40,7 @@ def find_state(hw: RobotHW, name: str) -> Read:
             remedy=suggest(name, found),
             details={"resource": name},
         )
-    # The claim of an exported state notes who reads it.
+    # The claim of an exported state names its reader.
     exported = hw.get(ExportedStateInterface)
     if exported is not None and name in exported.get_names():
         return exported.get_handle(name).get_value
