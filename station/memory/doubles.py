@@ -1,7 +1,7 @@
 """Doubles in contiguous memory, which Python, NumPy, MuJoCo and compiled code share.
 
 A view is indexed and iterated like a list of floats, `.tolist()` copies it, and a slice
-of it is a view again. Its length is fixed, and it holds doubles and nothing else.
+of it is another view. Its length is fixed, and all its elements are doubles.
 """
 
 from array import array
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     Storage: TypeAlias = list[float] | memoryview[float]
     Indices: TypeAlias = memoryview[int]
 else:
-    # Python 3.11 knows no parameters of this type at run time.
+    # In Python 3.11 this type has no parameters at run time.
     Doubles: TypeAlias = memoryview
     Storage: TypeAlias = list | memoryview
     Indices: TypeAlias = memoryview
@@ -32,37 +32,37 @@ def zeros(size: int) -> Doubles:
 
 
 def given_or_zeros(memory: Doubles | None, size: int) -> Doubles:
-    """Return the memory if there is some, otherwise new memory with `size` zeros."""
+    """Return `memory`, or new memory with `size` zeros if it is None."""
     return zeros(size) if memory is None else memory
 
 
 def as_doubles(values: Any) -> Doubles:  # noqa: ANN401 - whatever has such memory
-    """Return the memory of an array of doubles, e.g. of NumPy."""
+    """Return the memory of an array of doubles, e.g. a NumPy array."""
     return memoryview(values)
 
 
 def viewed(values: Sequence[float]) -> Doubles:
-    """Return memory with these values: the view itself if they are one."""
+    """Return memory with these values; a view is returned itself."""
     return values if isinstance(values, memoryview) else doubles(values)
 
 
 def own(values: Iterable[float]) -> Any:  # noqa: ANN401 - a `Storage` of two kinds
-    """Return memory with these values for one compiled object; see `own_zeros`."""
+    """Return memory with these values for one compiled object only; see `own_zeros`."""
     return doubles(values) if status().is_compiled else [*values]
 
 
 def own_zeros(size: int) -> Storage:
     """Return memory with `size` zeros for one compiled object only.
 
-    Interpreted it is a list, whose elements Python reads in half the time.
+    In interpreted mode it is a list, whose elements Python reads in half the time.
     """
     return zeros(size) if status().is_compiled else [0.0] * size
 
 
 def own_block(parts: Sequence[str], size: int) -> dict[str, Storage]:
-    """Return memory for one compiled object only, named parts of `size` zeros each.
+    """Return memory for one compiled object only: named parts of `size` zeros each.
 
-    The parts lie side by side, or are lists; see `own_zeros`.
+    The parts lie side by side; in interpreted mode they are lists, see `own_zeros`.
     """
     if status().is_compiled:
         block = Block(dict.fromkeys(parts, size))
@@ -71,7 +71,7 @@ def own_block(parts: Sequence[str], size: int) -> dict[str, Storage]:
 
 
 def indices(values: Iterable[int]) -> Indices:
-    """Return new memory with whole numbers that count other things, shape (n,)."""
+    """Return new memory with whole numbers, e.g. indices, shape (n,)."""
     return memoryview(array("l", values))
 
 
@@ -83,7 +83,7 @@ def put(view: Storage, values: Iterable[float]) -> None:
         values: Numbers, shape (n,).
 
     Raises:
-        TypeError: A value is no number.
+        TypeError: A value is not a number.
         ValueError: There are more or fewer than n values; nothing was copied.
     """
     numbers = values if isinstance(values, memoryview) else array("d", values)

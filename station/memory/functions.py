@@ -1,4 +1,4 @@
-"""Functions of one number, the same ones of the C library in both modes."""
+"""Functions of one number from the C library, the same ones in both modes."""
 
 import cython
 
@@ -51,6 +51,6 @@ def exponential(value: float) -> float:
 
 
 if not cython.compiled:
-    # The same functions, without a call of Python around each of them.
+    # The same functions, without a call in Python around each of them.
     square_root, sine, cosine = _sqrt, _sin, _cos
     arctangent, exponential = _atan2, _exp

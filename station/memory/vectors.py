@@ -1,7 +1,7 @@
 """Operations on many doubles at once.
 
-Compiled, these are loops of C, which take a tenth of the time of Python's operations on
-memory; interpreted it is the other way round.
+Compiled, these are loops in C, which take a tenth of the time of Python's operations on
+memory. Interpreted, Python's operations on memory are ten times faster than loops.
 """
 
 from math import hypot
@@ -22,13 +22,13 @@ def copy_into(
     source: Any,  # noqa: ANN401 - a `Storage`; for a view it must be a view
     size: int,
 ) -> None:
-    """Copy numbers.
+    """Copy numbers into a part of a vector.
 
     Args:
-        target: Receives the values, shape (>= start + size,).
+        target: Receives the numbers, shape (>= start + size,).
         start: Index of the first number in `target`.
         source: The numbers, shape (size,); a view if the target is one.
-        size: How many there are.
+        size: Number of elements to copy.
     """
     if cython.compiled:
         memmove(cython.address(target[start]), cython.address(source[0]), 8 * size)
@@ -37,12 +37,12 @@ def copy_into(
 
 
 def differ(first: Doubles, second: Doubles, size: int) -> bool:
-    """Return whether the two vectors differ in a number.
+    """Return whether two vectors differ in any number.
 
     Args:
-        first: Numbers, shape (size,).
-        second: Others, shape (size,).
-        size: How many there are.
+        first: One vector, shape (size,).
+        second: The other vector, shape (size,).
+        size: Number of elements to compare.
     """
     if cython.compiled:
         for i in range(size):
@@ -53,11 +53,11 @@ def differ(first: Doubles, second: Doubles, size: int) -> bool:
 
 
 def are_finite(numbers: Storage, size: int) -> bool:
-    """Return whether all numbers certainly are finite; an overflow of their sum is not.
+    """Return whether all numbers are known to be finite; False if their sum overflows.
 
     Args:
         numbers: The numbers, shape (size,).
-        size: How many there are.
+        size: Number of elements to check.
     """
     total = 0.0
     if cython.compiled:
@@ -65,16 +65,16 @@ def are_finite(numbers: Storage, size: int) -> bool:
             total += numbers[i]
     else:
         total = sum(numbers)
-    # A difference of infinities is no number, and no number equals itself.
+    # The difference is NaN for an infinite sum, and NaN is not equal to 0.
     return total - total == 0.0
 
 
 def any_of(numbers: Doubles, size: int) -> bool:
-    """Return whether a number is not 0.
+    """Return whether any number is not 0.
 
     Args:
         numbers: The numbers, shape (size,).
-        size: How many there are.
+        size: Number of elements to check.
     """
     if cython.compiled:
         for i in range(size):
@@ -85,15 +85,15 @@ def any_of(numbers: Doubles, size: int) -> bool:
 
 
 def are_within(numbers: Doubles, shares: Doubles, size: int) -> bool:
-    """Return whether every number certainly is within its limit; False for NaN.
+    """Return whether every number is known to be within its limit; False for NaN.
 
-    The sum of the squares of number over limit is at most 1 only if each of them is.
-    False alone does not mean that a limit is exceeded.
+    The test is that the sum of (number / limit)^2 is at most 1, which is stricter than
+    the limits: False does not mean that a limit is exceeded.
 
     Args:
         numbers: The numbers, shape (size,).
         shares: Inverse of the limit of each number, shape (size,).
-        size: How many there are.
+        size: Number of elements to check.
     """
     if cython.compiled:
         total = 0.0
@@ -105,7 +105,7 @@ def are_within(numbers: Doubles, shares: Doubles, size: int) -> bool:
 
 
 class FiniteCheck:
-    """Looks for a number that is not finite.
+    """Finds a number that is not finite.
 
     Args:
         memory: The numbers, shape (n,).

@@ -1,4 +1,4 @@
-"""Wall time: that of the operating system, and one that stands still in between."""
+"""Wall time: the operating system's, and a virtual one that only code advances."""
 
 from time import perf_counter
 
@@ -18,14 +18,14 @@ def wall_time() -> float:
 
 
 if not cython.compiled:
-    wall_time = perf_counter  # the same without a call of Python around it
+    wall_time = perf_counter  # the same without a call in Python around it
 
 
 class VirtualTime:
-    """Wall time that passes on demand.
+    """Wall time that passes only when code changes it.
 
     Args:
-        seconds: Its first value [s].
+        seconds: First value [s].
 
     Attributes:
         seconds: The present time [s].
