@@ -1,8 +1,8 @@
 """Robots: everything that implements `RobotHW`.
 
-`HARDWARE` is the table of robot types: type as configured, then where its class is. A
-module is imported only when its robot is asked for, so that a missing library of one
-robot does not concern the others.
+`HARDWARE` is the table of robot types: the type as configured, then the place of its
+class. A module is imported only when its robot is needed, so that a missing library
+concerns only the robots that use it.
 """
 
 HARDWARE: dict[str, str] = {

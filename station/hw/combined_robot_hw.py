@@ -1,4 +1,4 @@
-"""Several robots as one, made from the types the station knows."""
+"""Several robots as one, made from the types that the station knows."""
 
 from station.core.hardware import combined_robot_hw
 from station.hw.robot_loader import create_robot

@@ -15,14 +15,14 @@ from station.reports import Clearance
 
 
 class LinkGuard(SceneGuard):
-    """Keeps one robot clear of its scene, by commands that are slowed.
+    """Keeps one robot clear of its scene by slowing its commands.
 
     Args:
         arm_id: Name of the robot.
-        base: Pose of its base in the world.
+        base: Pose of the robot's base in the world.
 
     Attributes:
-        guard: The arithmetic.
+        guard: Computes the slowed commands.
         arm_id, base: As given.
     """
 
@@ -36,11 +36,11 @@ class LinkGuard(SceneGuard):
         raise NotImplementedError
 
     def watch(self, *, is_active: bool) -> None:
-        """Let the guard look at every command, or at none; control thread."""
+        """Let the guard check every command, or no command; control thread."""
         raise NotImplementedError
 
     def links_of(self, name: str, carried: Sequence[str] = ()) -> Sequence[str]:
-        """Return the links of this robot that a name in `links` stands for.
+        """Return the links of this robot to which a name in `links` refers.
 
         Args:
             name: The name.
@@ -83,8 +83,8 @@ class LinkGuard(SceneGuard):
     ) -> Callable[[], None]:
         guard = self.guard
         triangles: list[float] = []
-        # What an arm carries moves: it counts for other arms as a part of that one.
-        # A role that is for links of other robots alone does not count here.
+        # A carried object moves with its arm: other arms see it as a part of that arm.
+        # A role for links of other robots does not concern this robot.
         counting = [
             one
             for one in objects

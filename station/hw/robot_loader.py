@@ -42,7 +42,7 @@ def find_robot(robot_type: str) -> type[RobotHW]:
         RobotTypeError: The type is unknown, cannot be imported, or is not a `RobotHW`.
     """
     known = dict(HARDWARE)
-    if robot_type not in known:  # looking at what is installed takes long
+    if robot_type not in known:  # searching the installed packages takes long
         installed = entry_points(group=ENTRY_POINTS)
         known = {**{entry.name: entry.value for entry in installed}, **known}
     target = known.get(robot_type, robot_type)

@@ -1,4 +1,4 @@
-"""General-purpose inputs and outputs without hardware: an output has its command.
+"""General-purpose inputs and outputs without hardware: outputs take their commands.
 
 ```yaml
 gpios:
@@ -8,7 +8,7 @@ gpios:
     initial_values: {pressure: 1.0}
 ```
 
-Source: ros2_control@6.x mock_components/GenericSystem; differs: `min` and `max` count.
+Source: ros2_control@6.x mock_components/GenericSystem; differs: `min` and `max` apply.
 """
 
 from collections.abc import Sequence
@@ -66,7 +66,7 @@ class SimulatedGpios:
         tags: The inputs and outputs.
 
     Attributes:
-        names: `<gpio>/<interface>` of each value, in the order of `states`.
+        names: Name of each value, `<gpio>/<interface>`, in the order of `states`.
         states: Present value of each input and output; tests may set inputs.
     """
 
@@ -107,9 +107,9 @@ class SimulatedGpios:
         return [one for one in both if one.get_names()]
 
     def write(self) -> None:
-        """Let the outputs have their commands. Control thread."""
+        """Set the outputs to their commands. Control thread."""
         for index, low, high in self._outputs:
-            # A command that is no number is its controller's fault; the output stays.
+            # A command that is no number is a fault of its controller: ignore it.
             value = self._commands[index]
             if value == value:
                 self.states[index] = min(max(value, low), high)

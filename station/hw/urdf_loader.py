@@ -16,7 +16,7 @@ _SIMULATED = (
 )
 
 
-# An arm asks for its description nine times while it is built.
+# Cached, because an arm asks for its description nine times while it is built.
 @lru_cache(maxsize=8)
 def load_urdf(files: RobotFiles) -> Urdf:
     """Read a robot description and check that the robot can be simulated.

@@ -1,7 +1,7 @@
 """A shipped robot without hardware, for tests, examples and dry runs.
 
-Its joints are ideal. Everything that can go wrong with a robot can be ordered: refused
-and slow switches, switches that fail, sensors that read NaN, slow cycles, exceptions.
+Its joints are ideal. A script can order every fault of a robot: refused, slow and
+failing switches, sensors that read NaN, slow cycles, exceptions.
 """
 
 import math
@@ -51,7 +51,7 @@ POSITION_MODES = frozenset({
     PosVelJointInterface.type_name,
     PosVelAccJointInterface.type_name,
 })
-"""Modes in which a joint goes where it is commanded."""
+"""Modes in which a joint goes to its commanded position."""
 IDLE = ""
 """Mode of a joint that no controller claims; the joint stands still."""
 
@@ -59,9 +59,9 @@ IDLE = ""
 class MockJoints:
     """Ideal joints, which follow their commands at once.
 
-    A joint under position control is where it is commanded, under velocity control it
-    moves with that velocity, under effort control it accelerates with effort over
-    inertia minus friction, and otherwise it stands still.
+    With a position command a joint is at that position at once, with a velocity command
+    it moves at that velocity, with an effort command it accelerates by effort minus
+    friction over inertia, and without a command it stands still.
 
     Args:
         positions: Initial positions [rad or m], shape (n,).
@@ -70,9 +70,9 @@ class MockJoints:
 
     Attributes:
         position, velocity, effort: The true state, shape (n,).
-        position_command, velocity_command, acceleration_command, effort_command: What
-            controllers write, shape (n,).
-        mode: Name of the interface that commands a joint, `IDLE` when none does.
+        position_command, velocity_command, acceleration_command, effort_command: The
+            commands of controllers, shape (n,).
+        mode: Name of the interface that commands each joint; `IDLE` if none does.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class MockJoints:
         """Put the joints at rest at a pose, which becomes their commanded pose as well.
 
         Args:
-            positions: [rad or m], shape (n,).
+            positions: Positions [rad or m], shape (n,).
         """
         self.position[:] = self.position_command[:] = positions
         for values in (
@@ -132,7 +132,7 @@ class MockJoints:
 
     def _accelerate(self, index: int, period: float) -> None:
         self.effort[index] = self.effort_command[index]
-        # Implicit in the friction: stable for every period.
+        # Implicit in the friction, and so stable for every period.
         momentum = self.velocity[index] + self.effort[index] * period / self._inertia
         velocity = momentum / (1.0 + self._damping * period / self._inertia)
         self.velocity[index] = velocity
@@ -185,12 +185,12 @@ class MockScript:
     """The faults of the mock; by default there are none.
 
     Attributes:
-        refusal: Why `prepare_switch` refuses; None when every switch is accepted.
+        refusal: Why `prepare_switch` refuses; None to accept every switch.
         switch_cycles: Cycles that every switch of the hardware takes, >= 0.
         failing: Names of controllers for which the hardware cannot switch.
         nan_sensors: Names of joints whose position and velocity read NaN.
-        slow_cycles: How long the next cycles take in `read` [s], one number each.
-        read_error: Error that `read` raises; None for none.
+        slow_cycles: Durations of the next cycles in `read` [s].
+        read_error: Error that `read` raises; None for no error.
         mode: The robot's mode, one word.
     """
 
@@ -214,8 +214,8 @@ class MockRobotHW(RobotHW):
     Attributes:
         script: Faults to come; may be changed at any time between two cycles.
         switches: (started, stopped) names of every `do_switch`, oldest first.
-        clock: Clock on which slow cycles take their time.
-        sensor_values: Values of each of `sensors`, in the order of their names there;
+        clock: Clock by which slow cycles wait.
+        sensor_values: Values of each sensor, in the order of their names in `sensors`;
             may be changed between two cycles.
         gpios: Inputs and outputs.
     """
@@ -376,7 +376,7 @@ class MockRobotHW(RobotHW):
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        """Refuse when the script says so.
+        """Refuse the switch if the script says so.
 
         Args:
             start: Controllers that will be started.

@@ -24,15 +24,16 @@ if TYPE_CHECKING:
     from station.hw.mujoco.world import World
 
 BaseType = Literal["fixed", "floating", "planar"]
-"""How the root link is held: not at all when it floats; upright, but free to move on
-the floor when it is planar."""
+"""How the root link is held: `fixed` to the world; `floating`, not held at all; or
+`planar`, upright but free to move on the floor."""
 BASE_JOINT = "base"
-"""Name of a floating base's joint; those of a planar base are `PLANAR_JOINTS`."""
+"""Name of a floating base's joint; a planar base has those in `PLANAR_JOINTS`."""
 PLANAR_JOINTS = ("base_x", "base_y", "base_yaw")
-# Damping of the servos that let a planar base follow its wheels [N s/m], [Nm s/rad]. A
-# robot of 100 kg follows within 0.1 ms, and yields by 1 mm/s to a push of 1 kN.
+# Damping of the servos that make a planar base follow its wheels [N s/m], [Nm s/rad]. A
+# robot of 100 kg follows within 0.1 ms, and a push of 1 kN moves it at 1 mm/s.
 _STIFFNESS = 1e6
-# Wheels lie across the base; a roller or a caster does not.
+# Cosine of the largest angle between a wheel's axis and the base's lateral axis; it
+# excludes rollers and casters.
 _ACROSS = 0.95
 
 
@@ -44,7 +45,7 @@ def add_base_joints(
     Args:
         spec: The world; changed.
         body: The root link's body, a child of the world.
-        base_type: How it moves; `fixed` adds nothing.
+        base_type: How the root link is held; `fixed` adds no joint.
     """
     if base_type == "floating":
         body.add_freejoint(name=BASE_JOINT)
@@ -98,8 +99,8 @@ class RollingBase(Preparation):
         urdf: The robot. Its wheels are the joints without a range that have `wheel` in
             their name and an axis across the root link.
 
-    Raises:
-        RobotDescriptionError: The robot lacks wheels on a side, or a wheel's radius is
+    RobotDescriptionError: The robot lacks wheels on a side, or the radius of a
+        wheel is not known.
             not known.
     """
 
@@ -141,7 +142,7 @@ class RollingBase(Preparation):
 
 
 def _find_wheels(urdf: Urdf) -> Sequence[tuple[str, float, float]]:
-    """Return name, place across the base [m] and rolling rate [m/rad] of each wheel."""
+    """Return name, lateral place [m] and rolling rate [m/rad] of each wheel."""
     found = []
     for name, joint in urdf.joints.items():
         if joint.type is not JointType.CONTINUOUS or "wheel" not in name.lower():

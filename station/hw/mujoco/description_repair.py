@@ -1,6 +1,6 @@
-"""Make a robot simulated that its description alone does not allow, and say how.
+"""Change the description of a robot where simulation needs it, and report each change.
 
-With `strict` the description is taken as it is and refused if it cannot be simulated.
+With `strict` the description is not changed, and refused if it cannot be simulated.
 """
 
 import logging
@@ -36,9 +36,9 @@ class RepairedRobot:
     """A robot that can be simulated.
 
     Attributes:
-        description: Its files, with the text of the repaired URDF.
-        urdf: The same, parsed, with the inertias that are simulated.
-        repairs: Repairs of the description.
+        description: The files of the robot, with the text of the repaired URDF.
+        urdf: The repaired URDF, parsed, with the inertias that are simulated.
+        repairs: The repairs of the description.
     """
 
     description: RobotFiles
@@ -58,11 +58,11 @@ def repair_robot(
 
     Args:
         files: The robot's files.
-        strict: Whether nothing may be changed.
+        strict: Whether to refuse any change.
         zero_range: Treatment of a joint whose range is 0 to 0.
         base: How the root link is held.
-        find_effort: Returns the effort limit of a joint that takes the place of the
-            URDF's, >= 0 [Nm or N]; None where the URDF's counts.
+        find_effort: Returns an effort limit that replaces the one in the URDF for a
+        joint, >= 0 [Nm or N]; None to keep the URDF's.
 
     Raises:
         RobotDescriptionError: The robot cannot be simulated; no repair is known.
@@ -93,12 +93,12 @@ def repair_robot(
 
 
 def _refuse_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
-    """Refuse a description with faults, if it must have none.
+    """Refuse a description that needs repairs, for `strict`.
 
     Raises:
-        RobotDescriptionError: Something would have to be repaired.
+        RobotDescriptionError: A part would have to be repaired.
     """
-    # These two are no mistakes: the simulator asks for them.
+    # Repairs of these two kinds are no mistakes: only the simulator needs them.
     wrong = [repair for repair in repairs if repair.kind not in {"base", "name"}]
     if wrong:
         raise RobotDescriptionError(
@@ -126,14 +126,14 @@ def log_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
         repairs: Repairs of the description.
     """
     for repair in repairs:
-        # Links that never touch are no surprise; a changed robot may be one.
+        # Links that never touch are expected; other changes may surprise the user.
         is_minor = repair.is_addition or repair.kind in ("self_collision", "motor")
         level = logging.INFO if is_minor else logging.WARNING
         _logger.log(level, "%s: %s", files.urdf_path, repair.sentence())
 
 
 def _repair_frictions(urdf: Urdf) -> tuple[Urdf, tuple[Repair, ...]]:
-    """Halve the friction of joints that their own motors could not turn."""
+    """Halve the friction of joints that their own motors cannot overcome."""
     changed: dict[str, Joint] = {}
     repairs: list[Repair] = []
     for name in driven_joints(urdf):
@@ -158,7 +158,7 @@ def _repair_frictions(urdf: Urdf) -> tuple[Urdf, tuple[Repair, ...]]:
 
 
 def _repair_transmissions(xml: str, urdf: Urdf) -> tuple[str, tuple[Repair, ...]]:
-    """Remove the transmissions that cannot be used: their joints get direct drives."""
+    """Remove unusable transmissions, whose joints then get direct drives."""
     robot = parse_robot(xml)
     driven = set(driven_joints(urdf))
     used: set[tuple[str, str]] = set()
@@ -208,7 +208,7 @@ def _bring_up_to_date(element: ET.Element) -> bool:
 def _find_problem(
     element: ET.Element, driven: set[str], used: set[tuple[str, str]]
 ) -> str | None:
-    """Return the reason why a transmission is unusable; None, and note its parts."""
+    """Return why a transmission is unusable; None adds its parts to `used`."""
     robot = ET.Element("robot")
     robot.append(element)
     parser = TransmissionParser()

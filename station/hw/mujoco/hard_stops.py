@@ -1,15 +1,16 @@
 """Mechanical stops for joints that are too fast for those of the simulation.
 
-MuJoCo notices that a joint has passed the end of its range only after the step in
-which it did, and then takes about two steps to stop it: a joint at 20 rad/s is 1.1
-degrees beyond by then. Where a joint's velocity limit allows more than `FREE_WAY` in a
-step, the impact is therefore computed here, before the step: impulses p between the two
-links of the joints that would pass an end slow them down to where they just reach it,
+MuJoCo notices only after a step that a joint has passed the end of its range in it, and
+then takes about two steps to stop the joint: at 20 rad/s the joint is 1.1 degrees
+beyond by then. Where a joint's velocity limit allows more than `FREE_WAY` in a step,
+the impact is therefore computed here, before the step. Impulses p between the two links
+of each joint that would pass an end slow it down so that it just reaches the end:
 
     M (dq' - dq) = p,    q_i + dt dq'_i = end_i.
 
-MuJoCo's own stops hold the joint from then on. Where a motor alone can add that way in
-one step, its acceleration in the last step is expected once more.
+MuJoCo's own stops hold the joint from then on. For a joint whose motor alone can move
+it that far in one step, the motor's acceleration is expected to be that of the last
+step.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from station.hw.mujoco.world import World
 
 FREE_WAY = radians(0.25)
-"""Way in one step up to which MuJoCo's stops suffice [rad]."""
+"""Largest way in one step for which MuJoCo's stops suffice [rad]."""
 _MOST_SWEEPS = 20
 _LEAST_INERTIA = 1e-3
 
@@ -73,7 +74,7 @@ class HardStops(Preparation):
     def _bounds(
         self,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return the velocities with which the ends are reached, and the present ones.
+        """Return the velocities that reach the two ends, and the present ones.
 
         A joint that stands at an end, or a little beyond, may stay where it is:
         MuJoCo's stop drives it back.
@@ -82,7 +83,7 @@ class HardStops(Preparation):
         low = np.minimum(self._lower - position, 0.0) / self._timestep
         high = np.maximum(self._upper - position, 0.0) / self._timestep
         if self._has_strong:
-            # What the motors add in the step to come, as they did in the last one.
+            # The motors are expected to add as much velocity as in the last step.
             added = self._data.qacc_smooth[self._dofs] * self._timestep
             added[~self._is_strong] = 0.0
             low -= np.minimum(added, 0.0)
@@ -98,7 +99,7 @@ class HardStops(Preparation):
 
 
 def _accelerations(model: mujoco.MjModel, names: Sequence[str]) -> NDArray[np.float64]:
-    """Return the largest accelerations by the joints' own motors [rad/s^2]."""
+    """Return the largest acceleration that each joint's motor can give [rad/s^2]."""
     found = []
     for name in names:
         motor = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
@@ -113,7 +114,7 @@ def add_hard_stops(world: "World", limits: Mapping[str, float]) -> None:
 
     Args:
         world: The world.
-        limits: Joint name to velocity limit [rad/s or m/s]; infinite for none.
+        limits: Joint name to velocity limit [rad/s or m/s]; infinite for no limit.
     """
     model = world.model
     fast = [name for name, v in limits.items() if needs_hard_stop(model, name, v)]
@@ -127,7 +128,7 @@ def needs_hard_stop(model: mujoco.MjModel, name: str, velocity: float) -> bool:
     Args:
         model: The world's model.
         name: A joint.
-        velocity: Its velocity limit [rad/s]; infinite for none.
+        velocity: Velocity limit of the joint [rad/s]; infinite for no limit.
     """
     joint = model.joint(find_joint(model, name))
     rotates = int(joint.type[0]) == int(mujoco.mjtJoint.mjJNT_HINGE)

@@ -14,8 +14,8 @@ from station.core.description.urdf import Inertial, JointType, Link, Pose, Urdf
 def is_rigid_body(inertial: Inertial) -> bool:
     """Return whether a rigid body of positive volume can have these properties.
 
-    A point mass (inertia 0) cannot, nor can a tensor whose principal moments are not
-    positive or violate the triangle inequality.
+    A point mass (inertia 0) is no such body. Neither is a body whose principal moments
+    are not positive or violate the triangle inequality.
     """
     moments = principal_moments(inertial)
     return bool(moments[0] > 0.0 and moments[0] + moments[1] >= moments[2])
@@ -100,7 +100,7 @@ def _rotation(pose: Pose) -> NDArray[np.float64]:
 
 
 SMALL_MASS = 1e-3
-"""Mass of a moving link without one [kg]."""
+"""Mass of a moving link that has none in the URDF [kg]."""
 _RADIUS = 0.01
 _SMALL_MOMENT = 0.4 * SMALL_MASS * _RADIUS**2
 """Moment of inertia of a ball of that mass, with a radius of 1 cm [kg m^2]."""
@@ -112,7 +112,7 @@ def repair_inertias(urdf: Urdf) -> tuple[Urdf, tuple[Repair, ...]]:
     """Return the robot with links that can move, and the changes.
 
     Args:
-        urdf: The robot; the same is returned when there is nothing to repair.
+        urdf: The robot; it is returned itself if there is nothing to repair.
     """
     changed: dict[str, Link] = {}
     repairs: list[Repair] = []
@@ -131,7 +131,7 @@ def repair_inertias(urdf: Urdf) -> tuple[Urdf, tuple[Repair, ...]]:
         if moments[0] > _LEAST and moments[0] + moments[1] >= moments[2]:
             continue
         balanced, repair = _balance(link, whole, moments)
-        # It has the masses of the others now.
+        # This link now has the masses of the others.
         changed |= {n: replace(urdf.links[n], inertial=None) for n in parts}
         changed[link.name] = replace(link, inertial=balanced)
         repairs.append(repair)
@@ -147,7 +147,7 @@ def repair_inertias(urdf: Urdf) -> tuple[Urdf, tuple[Repair, ...]]:
 def _balance(
     link: Link, whole: Inertial, moments: NDArray[np.float64]
 ) -> tuple[Inertial, Repair]:
-    """Return equal moments in place of all that a link carries."""
+    """Return equal moments of inertia for all that a link carries."""
     mean = float(np.mean(moments))
     if mean > _LEAST:
         problem = "no rigid body has its principal moments of inertia"

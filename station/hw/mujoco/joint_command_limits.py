@@ -47,18 +47,18 @@ class JointCommandLimits:
         joints: The joints of the URDF.
         params: The namespace that has `joint_limits`.
         mode: Kind of the handles that enforce the limits.
-        tags: Command interfaces of `<ros2_control>` by joint. The narrower limits of
-            the two count, and none that such an interface switches off.
+        tags: Command interfaces of `<ros2_control>` by joint. The narrower limit
+            applies, and no limit that such an interface switches off.
 
     Attributes:
         reports: The limits of every added joint with their sources.
 
     Raises:
         ParameterError: An entry of `joint_limits` in the robot's own parameters limits
-            nothing. Those at the root may be of files written for ROS: they are logged.
+            nothing. Such entries at the root, which may be for ROS, are only logged.
 
     Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, registerJointLimits;
-    differs: one handle per kind of command, of which those in use act.
+    differs: one handle per kind of command; those of the commands in use act.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class JointCommandLimits:
         """
         report = self._read(self._joints[joint])
         self.reports.append(report)
-        # The handles want these two.
+        # The handles take these two.
         limits, soft = report.limits, report.soft_limits
         limits = replace(
             limits,
@@ -139,9 +139,9 @@ class JointCommandLimits:
             interface.enforce_limits(period)
 
     def velocities(self) -> dict[str, float]:
-        """Return the velocity limit of each added joint [rad/s or m/s]; inf for none.
+        """Return the velocity limit of each added joint [rad/s or m/s]; inf if none.
 
-        A limit of 0 counts for commands only; a brake would hold the joint for ever.
+        A limit of 0 is left out: a brake with that limit would hold the joint for ever.
         """
         return {
             report.joint: report.limits.max_velocity or inf for report in self.reports
@@ -196,11 +196,11 @@ def _narrowed(limits: JointLimits, tag: InterfaceTag) -> JointLimits:
             return replace(limits, min_position=None, max_position=None)
         lows = [each for each in (low, limits.min_position) if each is not None]
         highs = [each for each in (high, limits.max_position) if each is not None]
-        # A range has two ends.
+        # A range needs both ends.
         if not lows or not highs:
             return limits
         return replace(limits, min_position=max(lows), max_position=min(highs))
-    # Of an unsymmetric range the smaller end counts in both directions.
+    # The smaller end of an asymmetric range limits both directions.
     ends = [abs(each) for each in (low, high) if each is not None]
     before: float | None = getattr(limits, f"max_{tag.name}")
     ends += [] if before is None else [before]

@@ -24,7 +24,7 @@ COMMAND_INTERFACES: Mapping[str, type[JointCommandInterface]] = {
 _QUANTITY_OF_INTERFACE = {
     interface.type_name: quantity for quantity, interface in COMMAND_INTERFACES.items()
 }
-# A joint without commands is held at its position below this speed [rad/s or m/s].
+# Speed below which a joint without commands is held at its position [rad/s or m/s].
 _REST_VELOCITY = 0.01
 
 
@@ -32,9 +32,9 @@ class JointCommandModes:
     """The modes of the joints, and the commands of joints that no controller commands.
 
     A joint follows the commands of the interface through which a controller claims it.
-    For a joint with gains, a position or velocity command becomes an effort here; for a
-    joint without gains, the joint's drive is a servo. An unclaimed joint brakes and
-    then holds the position at which it has come to rest.
+    For a joint with gains, a position or velocity command becomes an effort here. A
+    joint without gains has a servo as its drive. An unclaimed joint brakes and then
+    holds the position at which it has come to rest.
 
     Args:
         joints: State and commands of the n joints.
@@ -91,12 +91,12 @@ class JointCommandModes:
         ]
 
     def restart(self) -> None:
-        """Begin all modes anew, after the world was set to another state."""
+        """Begin all modes anew; called after a reset of the world."""
         for index in range(len(self.commanded)):
             self._begin(index)
 
     def release_bad_commands(self) -> bool:
-        """Release joints whose command is not finite from their controllers.
+        """Take joints whose command is not finite from their controllers.
 
         Such joints are held until the next switch. Call it before limits are enforced:
         a limit may turn a NaN into a finite number, and the joint would move.

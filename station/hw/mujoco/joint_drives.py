@@ -6,17 +6,18 @@ A servo has a desired velocity v_d, and gives the force that keeps it:
 
 with M_ii the inertia at the joint and c the force against gravity (unless gravity is
 compensated) and Coriolis forces. `D dq` is part of MuJoCo's motor, where the integrator
-treats it implicitly: it is stable for every inertia. v_d changes with at most the
+treats it implicitly, so that it is stable for every inertia. v_d changes by at most the
 acceleration a = 0.3 f_max / M_ii; the rest of the motor's force is left for the effects
-of other joints. v_d approaches the velocity target, or with K = 100/s, e = q_target - q
-and b = 0.8 a (the difference to a makes up for the servo's lag) the velocity
+of other joints. v_d approaches the velocity target. For a position target, with K =
+100/s, e = q_target - q and b = 0.8 a (less than a because the servo lags), v_d
+approaches the velocity
 
     v = K e                          where |e| <= b/K^2
     v = sqrt(2 b |e| - b^2/K^2)      elsewhere, with the sign of e,
 
-which is the fastest approach from which the joint can still stop, and at most the
-joint's velocity limit. Before the ends of the joint's range, this approach also bounds
-a velocity target. Motors saturate at f_max, the joint's effort limit.
+which is the fastest approach from which the joint can still stop, but at most the
+joint's velocity limit. Near the ends of the joint's range, this approach also bounds a
+velocity target. Motors saturate at f_max, the joint's effort limit.
 
 A drive for efforts passes the efforts on. It brakes a joint that is faster than its
 velocity limit: force = D (v_max - dq), plus an effort against the motion.
@@ -65,11 +66,11 @@ _SHARE_OF_ACCELERATION = 0.8
 
 
 def approach_velocity(error: float, braking: float) -> float:
-    """Return the velocity [rad/s or m/s] at a distance from the target.
+    """Return the velocity [rad/s or m/s] at which to approach a target.
 
     Args:
         error: Distance to the target [rad or m].
-        braking: Deceleration that the joint can be braked with, >= 0.
+        braking: Deceleration that is available [rad/s^2 or m/s^2], >= 0.
     """
     knee = braking / (_POSITION_GAIN * _POSITION_GAIN)
     distance = error
@@ -95,10 +96,10 @@ class JointDrives(Preparation):
 
     Attributes:
         velocity_limits: Highest desired speed [rad/s or m/s], shape (n,), infinite at
-            first; to be changed in place.
-        modes: Numbers of `DriveMode`, shape (n,); in place.
+            first; owners change it in place.
+        modes: Numbers of `DriveMode`, shape (n,); owners change it in place.
         targets: Positions [rad or m], velocities [rad/s or m/s] and efforts [Nm or N]
-            by quantity, shape (n,) each; in place.
+            by quantity, shape (n,) each; owners change them in place.
     """
 
     def __init__(self, joints: "WorldJoints", timestep: float) -> None:
@@ -110,7 +111,7 @@ class JointDrives(Preparation):
         put(block["upper_limit"], joints.upper_limits)
         put(block["position"], joints.read_positions())
         self._joints = joints
-        # Views for Python, which reads them faster than it does those of Cython below.
+        # Python reads these views faster than the ones below, which are for Cython.
         self.velocity_limits = block["velocity_limit"]
         self.modes = block["mode"]
         self.targets = {quantity: block[quantity] for quantity in _QUANTITIES}

@@ -78,10 +78,10 @@ def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
 
 
 def _check_obj(path: Path) -> None:
-    """Refuse an OBJ file that is cut, which MuJoCo does not notice or cannot name.
+    """Refuse a truncated OBJ file, which MuJoCo does not notice or does not name.
 
     Raises:
-        RobotDescriptionError: The mesh has no triangles, or one without its corners.
+        RobotDescriptionError: The mesh has no triangles, or lacks corners of one.
     """
     corners = faces = highest = 0
     with path.open("rb") as file:
@@ -123,7 +123,7 @@ def _load_with_trimesh(path: Path) -> tuple[list[float], list[int]]:
     import trimesh
     from collada import DaeError
 
-    # What the readers of its formats raise for a file that is empty or cut.
+    # Errors that trimesh's readers raise for an empty or truncated file.
     foreign = (ValueError, LookupError, OSError, TypeError, AttributeError, DaeError)
     try:
         mesh = trimesh.load_scene(path).to_mesh()
@@ -145,18 +145,18 @@ _COLLISION_GROUP = 3
 _COLLISION = "_collision_"
 # The part of MuJoCo's error message that names the refused element.
 _ELEMENT = re.compile(r"Element name '(?P<name>[^']+)', id \d+")
-# Time constant of the constraints that are hard on a real robot (mechanical stops,
-# mimic joints), in time steps; MuJoCo allows no less than 2 (its `refsafe`).
+# Time constant of constraints that are hard on a real robot (mechanical stops, mimic
+# joints), in time steps; MuJoCo allows no less than 2 (its `refsafe`).
 _HARD_CONSTRAINT_STEPS = 2.0
-# MuJoCo's default impedance of a stop is 0.95; the stop of a joint that would make it
-# yield by more than 0.3 degrees is stiffer.
+# Part that MuJoCo's default impedance of a stop, 0.95, leaves. A stop that would yield
+# by more than 0.3 degrees is made stiffer.
 _IMPEDANCE_LEFT = 0.05
 _MOST_YIELD = 0.005
 _STIFF_IMPEDANCE = 0.9995
 _LEAST_INERTIA = 1e-3
-# Stiffness of friction in terms of the contact's. MuJoCo's friction is soft: what is
-# held creeps in proportion to its load. 0.5 kg between fingers of 20 N creep 3 mm in
-# 10 s with MuJoCo's pyramids and 1, and 0.015 mm with cones and 100.
+# Stiffness of friction relative to that of the contact. MuJoCo's friction is soft: a
+# held object creeps in proportion to its load. 0.5 kg between fingers of 20 N creeps
+# 3 mm in 10 s with MuJoCo's pyramids and 1, and 0.015 mm with cones and 100.
 _FRICTION_STIFFNESS = 100.0
 
 
@@ -169,7 +169,7 @@ class RobotOptions:
         armature: Inertia of rotor and gears as seen at each revolute joint that a motor
             drives [kg m^2], >= 0. Source of the default: mujoco_menagerie
             franka_emika_panda/panda.xml, the `panda` default class.
-        slide_armature: The same at each prismatic joint [kg], >= 0.
+        slide_armature: Inertia at each prismatic joint that a motor drives [kg], >= 0.
         gravity_compensation: Whether each link is lifted by a force equal to its
             weight, so that the motors need not carry the robot.
         disabled_collisions: Pairs of links that are never tested for contact, besides
@@ -361,7 +361,7 @@ class _RobotBuilder:
             group=_COLLISION_GROUP,
         )
         if not self._options.self_collision:
-            # It touches what is of the type 1: the floor and objects, not itself.
+            # It touches geometries of type 1, the floor and objects, but not itself.
             geom.contype, geom.conaffinity = 2, 1
         match shape.kind:
             case "box":
@@ -381,7 +381,7 @@ class _RobotBuilder:
     def _add_joint(self, body: mujoco.MjsBody, joint: Joint) -> None:
         slides = joint.type is JointType.PRISMATIC
         kind, options = mujoco.mjtJoint, self._options
-        # A joint that no motor drives, itself or its leader, has no rotor.
+        # A joint without a motor, of its own or of its leader, has no rotor.
         is_driven = _has_motor(
             joint if joint.mimic is None else self._urdf.joints[joint.mimic.joint]
         )
@@ -444,7 +444,7 @@ class _RobotBuilder:
             if first != second:
                 self._spec.add_exclude(bodyname1=first, bodyname2=second)
         if self._options.base_type == "planar":
-            # It neither falls nor slips, so that the floor cannot touch what rolls.
+            # The base neither falls nor slips, so the floor must not touch its wheels.
             for name in sorted(self._body_names_at_the_base()):
                 self._spec.add_exclude(bodyname1="world", bodyname2=name)
 

@@ -74,10 +74,10 @@ from station.hw.urdf_loader import load_urdf
 from station.memory.doubles import put
 from station.reports import HardwareTransmission
 
-# Most steps of the world in one cycle, unless two cycles of the loop take more; further
+# Most steps of the world in one cycle, unless two cycles of the loop need more. Further
 # steps are lost, so that a very late cycle does not make the next cycle late, too.
 _MOST_STEPS_AT_ONCE = 20
-# Share of a cycle by which its steps may miss it before a warning.
+# Relative difference between a cycle and its steps that gives a warning.
 _UNEVEN = 0.01
 _logger = logging.getLogger(__name__)
 _ToActuators = (
@@ -113,10 +113,10 @@ class MujocoRobotHW(RobotHW):
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
-        """Set the robot up; see the class.
+        """Set the robot up with the parameters that the class names.
 
         Args:
-            root_params: Gets the URDF; `joint_limits` may be here, too.
+            root_params: Receives the URDF; may also hold `joint_limits`.
             hw_params: The robot's parameters.
 
         Raises:
@@ -153,7 +153,7 @@ class MujocoRobotHW(RobotHW):
             description, urdf, parameters, read_scene(root_params)
         )
         self.world = simulated.world
-        if simulated.base != parameters.base:  # who draws the robot looks there
+        if simulated.base != parameters.base:  # the dashboard reads it from there
             hw_params.set("base_xyz", list(simulated.base.xyz))
         self._repairs = (*repaired.repairs, *simulated.repairs, *tagged.repairs)
         log_repairs(description, self._repairs)
@@ -172,7 +172,7 @@ class MujocoRobotHW(RobotHW):
             interface_of(self, JointStateInterface),
         )
         self._limits = JointCommandLimits(
-            # As described: `urdf` has effort limits of the parameters already.
+            # From the description, because `urdf` has other effort limits already.
             load_urdf(description).joints,
             limited,
             parameters.limit_mode,
@@ -188,7 +188,7 @@ class MujocoRobotHW(RobotHW):
             name: {joint: p for joint, p in state.items() if joint in self._names}
             for name, state in group_states(description.srdf_path).items()
         }
-        # What a base that moves would come near to is not known.
+        # The guard cannot know what a moving base comes near to.
         is_fixed = parameters.base_type == "fixed"
         self._guard = self._make_guard(hw_params, urdf) if is_fixed else None
         self._shared_world = SharedWorld(self.world, keyframes)
@@ -230,7 +230,7 @@ class MujocoRobotHW(RobotHW):
 
     @override
     def components(self) -> Sequence[HardwareComponent]:
-        """Return one component per `<ros2_control>` element; `robot` without any."""
+        """Return one component per `<ros2_control>` element; without any, `robot`."""
         if not self._hardware:
             return super().components()
         return [
@@ -295,8 +295,8 @@ class MujocoRobotHW(RobotHW):
         """Check that the simulation can run, and that the guard can slow commands.
 
         Raises:
-            SwitchRefusedError: The simulation has diverged, or joints would be
-                commanded by efforts while a scene has roles.
+            SwitchRefusedError: The simulation has diverged, or efforts would command
+                joints while the scene has roles.
         """
         if self._guard is not None and self._guard.is_active:
             try:
@@ -325,7 +325,7 @@ class MujocoRobotHW(RobotHW):
         return self._shared_world
 
     def begin_anew(self) -> None:
-        """Hold the pose that the world was reset to."""
+        """Hold the pose to which the world was reset."""
         self.read(0.0, 0.0)
         self._modes.restart()
         self._limits.reset()
@@ -390,7 +390,7 @@ class MujocoRobotHW(RobotHW):
             modes=self._modes,
             limits={one.joint: one.limits for one in self._limits.reports},
         )
-        # It would keep nothing clear without a motor or collision geometry.
+        # Without a motor or collision geometry it would have no effect.
         return guard if self._names and guard.links() else None
 
     def _add_devices(
@@ -447,7 +447,7 @@ class MujocoRobotHW(RobotHW):
     def _add_limits(self, urdf: Urdf) -> None:
         commands: dict[str, dict[str, JointHandle]] = {n: {} for n in self._names}
         for quantity, interface in COMMAND_INTERFACES.items():
-            # Not by `get_handle`: that would claim the joints.
+            # Without `get_handle`, which would claim the joints.
             for handle in interface_of(self, interface).handles():
                 commands[handle.name][quantity] = handle
         for name, handles in commands.items():
@@ -479,12 +479,12 @@ def _effort_of(joint: str, limited: Parameters) -> float | None:
     """Return the effort limit of a joint in `joint_limits`; None without one."""
     limits = joint_limits_from_parameters(joint, limited)
     effort = None if limits is None else limits.max_effort
-    # What is below 0 is refused with the other limits of the joint.
+    # A negative limit is refused with the other limits of the joint.
     return effort if effort is not None and effort >= 0.0 else None
 
 
 def _others(urdf: Urdf, driven: Sequence[str]) -> list[str]:
-    """Return the joints that move and have no motor."""
+    """Return the joints that move but have no motor."""
     moving = (joint.name for joint in urdf.joints.values() if joint.type.moves)
     return [name for name in moving if name not in driven]
 

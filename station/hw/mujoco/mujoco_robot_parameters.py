@@ -50,10 +50,10 @@ from station.hw.mujoco.bases import BaseType
 from station.hw.simulated_gpios import read_gpios
 
 SelfCollision = Literal["off", "srdf", "all"]
-"""Which links of a robot can touch one another: none, those that its SRDF allows and
-that do not touch at the start, or all that no joint connects."""
+"""The links of a robot that can touch one another: none; those that its SRDF allows,
+unless they touch at the start; or all links that no joint connects."""
 Integrator = Literal["auto", "implicitfast", "rk4"]
-"""How the world goes on by a time step; `auto` chooses by the robot."""
+"""How a time step of the world is integrated; `auto` chooses according to the robot."""
 _KEYS = frozenset({
     "type",
     "is_async",
@@ -98,7 +98,7 @@ class SensorType(Enum):
 
     @property
     def is_constant(self) -> bool:
-        """Return whether the sensor keeps its configured values, without measuring."""
+        """Return whether the sensor only returns its configured values."""
         return self in {SensorType.GPS, SensorType.BATTERY}
 
 
@@ -109,7 +109,7 @@ class SensorRequest:
     Attributes:
         name: Name of the sensor.
         type: Kind of the sensor.
-        link: The link of the sensor; the sensor measures in the frame of the link.
+        link: Link in whose frame the sensor measures.
         values: The values of a constant sensor by name.
         max_range: Distance beyond which a range sensor sees nothing [m].
     """
@@ -168,7 +168,7 @@ def read_parameters(params: Parameters) -> MujocoRobotParameters:
         base=_read_base(params),
         has_own_place=params.has("base_xyz"),
         base_type=base_type,
-        # A robot whose links are all lifted would float in the air.
+        # A floating robot without weight would stay in the air.
         gravity_compensation=params.get_bool(
             "gravity_compensation", default=base_type != "floating"
         ),

@@ -32,11 +32,11 @@ _MOST_NAMED = 12
 
 
 def rigid_neighbours(urdf: Urdf) -> list[Pair]:
-    """Return the pairs of links that one joint alone separates.
+    """Return the pairs of links with only one moving joint between them.
 
-    Links that are rigidly joined to a joint's parent are next to its child just as the
-    parent is. Pairs that a joint joins directly are left out, because they never touch
-    anyway, and so are links without collision shapes.
+    Links that are rigidly joined to a joint's parent are as near to its child as the
+    parent is. Pairs that a joint connects directly are left out, because they are never
+    tested for contact, and so are links without collision shapes.
 
     Args:
         urdf: The robot.
@@ -58,12 +58,12 @@ def rigid_neighbours(urdf: Urdf) -> list[Pair]:
 
 
 def touching_pairs(model: mujoco.MjModel, data: mujoco.MjData) -> list[Pair]:
-    """Return the names of the bodies that touch now, without those of the world."""
+    """Return the names of the bodies of the robot that touch now, in pairs."""
     found: set[Pair] = set()
     for number in range(int(data.ncon)):
         contact = data.contact[number]
         bodies = [int(model.geom_bodyid[geom]) for geom in contact.geom]
-        # An object is no part of the robot: its body has a joint of its own name.
+        # An object is not part of the robot: its body has a joint of its own name.
         if 0 not in bodies:
             first, second = (model.body(body).name for body in bodies)
             found.add(_sorted(first, second))
@@ -71,7 +71,7 @@ def touching_pairs(model: mujoco.MjModel, data: mujoco.MjData) -> list[Pair]:
 
 
 def tell_pairs(pairs: Sequence[Pair], why: str) -> list[Repair]:
-    """Return one line for pairs that are excluded from self-collision.
+    """Return a repair that lists pairs which are excluded from self-collision.
 
     Args:
         pairs: Names of links.
@@ -91,7 +91,7 @@ def tell_pairs(pairs: Sequence[Pair], why: str) -> list[Repair]:
 
 
 def tell_contacts(pairs: Sequence[Pair]) -> Repair:
-    """Return one line for links that touch at the start, and push each other apart.
+    """Return a repair that lists links which touch at the start and push apart.
 
     Args:
         pairs: Names of links, at least one pair.
@@ -118,10 +118,10 @@ def _sorted(first: str, second: str) -> Pair:
 
 _FLOOR = "floor"
 _TOUCHES = 1e-6
-"""Depth in the floor up to which a robot stands on it [m]."""
+"""Depth in the floor up to which a robot counts as standing on it [m]."""
 _MOST_DAMPING = 2.0
 """Share of a velocity that damping may take in a step of RK4, which is explicit: above
-2.78 the velocity would grow. The rest is for other poses than the first."""
+2.78 the velocity would grow. The margin is for other poses than the first one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +166,7 @@ def simulate_robot(
 
 
 class _Simulation:
-    """Builds the world, looks at the start pose, and builds it again if need be."""
+    """Builds the world, checks the start pose, and builds it again if necessary."""
 
     def __init__(
         self,
@@ -209,14 +209,14 @@ class _Simulation:
         return SimulatedRobot(world, self._base, tuple(self._repairs))
 
     def _choose_integrator(self, world: World) -> None:
-        """Integrate a robot by RK4 on request, or if it has no motors.
+        """Integrate by RK4 if the parameters ask for it, or if the robot has no motors.
 
         The error of one Euler step in the coupling of joints is of first order: a
         double pendulum loses 12 % of its energy in 5 s. Motors need the implicit
         damping of `implicitfast`, and rotors decouple the joints that they drive.
 
         Raises:
-            ParameterError: RK4 is asked for, and the damping is too strong for it.
+            ParameterError: RK4 is requested, and the damping is too strong for it.
         """
         wanted = self._parameters.integrator
         if wanted == "implicitfast" or (wanted == "auto" and world.model.nu):
@@ -267,7 +267,7 @@ class _Simulation:
         return world
 
     def _find_touching(self, world: World) -> list[Pair]:
-        """Return the links of the robot that touch one another now."""
+        """Return the pairs of the robot's links that touch now."""
         robot = set(self._urdf.links)
         touching = touching_pairs(world.model, world.data)
         return [pair for pair in touching if robot.issuperset(pair)]
@@ -279,7 +279,7 @@ class _Simulation:
         self._repairs += tell_pairs(new, why)
 
     def _lift(self, depth: float) -> bool:
-        """Put a robot that starts inside the floor on it; False if its place is set."""
+        """Lift a robot out of the floor; return False if its place is configured."""
         problem = f"its start pose is {depth:.4g} m deep in the floor"
         place = f"base at z = {self._base.xyz[2]:.4g} m"
         if self._parameters.has_own_place:
@@ -338,7 +338,7 @@ def _start_position(joint: Joint, wanted: float | None) -> float:
     """Return the start position of a joint: as configured, or 0, or mid-range.
 
     Raises:
-        ParameterError: The configured position is outside of the joint's range.
+        ParameterError: The configured position is outside the joint's range.
     """
     limit = joint.limit
     if limit is None or limit.lower is None or limit.upper is None:
@@ -359,7 +359,7 @@ def _start_position(joint: Joint, wanted: float | None) -> float:
 def depth_in_floor(model: mujoco.MjModel, data: mujoco.MjData) -> float:
     """Return the depth of the lowest body in the floor [m]; 0 if none is in it.
 
-    Bodies that cannot move do not count: nothing pushes them out of the floor.
+    Bodies that cannot move are ignored: contacts do not push them out of the floor.
 
     Args:
         model: The world's model.
@@ -372,7 +372,7 @@ def depth_in_floor(model: mujoco.MjModel, data: mujoco.MjData) -> float:
         if floor not in geoms:
             continue
         (geom,) = (geom for geom in geoms if geom != floor)
-        # Objects of the scene have no group of their own.
+        # Only geometries of robots have a group.
         if model.geom_group[geom]:
             lowest = min(lowest, _lowest_point(model, data, geom))
     return -lowest

@@ -1,13 +1,13 @@
 """Brakes that keep simulated joints within their velocity limits.
 
-The limits of joint_limits_interface look at one joint at a time, once per cycle, and at
-commands only. They cannot know the effect of other joints, contacts and late torques:
+The limits of joint_limits_interface treat one joint at a time, once per cycle, and only
+its commands. They cannot know the effect of other joints, contacts and late torques:
 when all joints of an arm are commanded to their limits at once, a joint can be thrown
-beyond its limit although its own motor gives no torque or brakes as hard as it can.
+beyond its limit although its own motor gives no torque, or brakes as hard as it can.
 Real drives have a protection of their own against that, and so do these joints.
 
 After a step, joints that are faster than `OVERSPEED` times their limit are slowed down
-to just that by impulses p between their two links, against the motion:
+to exactly that by impulses p between their two links, against the motion:
 
     M (dq' - dq) = p,    |dq'_i| <= OVERSPEED * limit_i,    p_i = 0 or against dq'_i
 
@@ -15,13 +15,13 @@ with the inertia M of that step; the positions of the step are corrected accordi
 The brakes only remove energy. Within the limits the brakes do nothing, so they never
 change a motion that respects the limits. Mimic joints have brakes of their own.
 
-Slowing one joint down moves the others, and can carry one of them past its mechanical
-stop. Therefore the stops take part, with impulses of their own: a joint with a range
-goes no further in that step than to its end, or not further beyond it,
+Slowing one joint down moves other joints, and can carry one of them past its mechanical
+stop. Therefore the stops give impulses, too: in that step a joint with a range goes at
+most to its end, or not further beyond it,
 
     q_i + dt dq'_i >= min(q_i, lower_i),    q_i + dt dq'_i <= max(q_i, upper_i)
 
-with the positions q before the step. Forces of stops are no forces of brakes.
+with the positions q before the step. Forces of the stops do not count as brake forces.
 """
 
 from collections.abc import Iterable, Mapping
@@ -37,9 +37,9 @@ from station.hw.mujoco.world_step import SpeedCheck
 from station.memory.doubles import as_doubles
 
 OVERSPEED = 1.015
-"""Share of its velocity limit above which a joint is braked."""
+"""Ratio of a joint's velocity to its limit above which the joint is braked."""
 BRAKES = "simulated brakes"
-"""What a report of clamps names in the place of a hardware interface."""
+"""Name that stands for a hardware interface in a report of clamps by brakes."""
 MAX_SQUARED_VELOCITY = 1e10
 """Sum of squared joint velocities above which a simulation has diverged. No machine
 reaches such velocities; MuJoCo itself gives up at 1e10 for a single velocity."""
@@ -60,11 +60,11 @@ class OverspeedBrakes:
         forces: Mean force of the brakes in the last step [Nm or N], one per degree of
             freedom of the model, shape (nv,); in place.
         braked_steps: Steps in which a brake acted.
-        counts: The same for each degree of freedom, shape (nv,).
+        counts: Steps in which each degree of freedom was braked, shape (nv,).
         asked: Velocities before the brakes acted the last time, shape (nv,).
         has_acted: Whether a brake acted in the last step.
-        speeds: Whether all velocities are possible and within their limits. The answer
-            False alone does not mean that a joint is too fast.
+        speeds: Checks that all velocities are possible and within their limits; False
+            does not mean that a joint is too fast.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -74,8 +74,8 @@ class OverspeedBrakes:
         self._bounds = np.full(model.nv, inf)
         self._shares = np.zeros(model.nv)  # 1 / bound
         self._relative = np.zeros(model.nv)
-        # As `_shares`, but with a share for joints without a limit as well, so that one
-        # sum shows an impossible velocity of any joint.
+        # As `_shares`, but joints without a limit have a share, too, so that one sum
+        # shows an impossible velocity of any joint.
         self._sane = np.full(model.nv, 1.0 / sqrt(MAX_SQUARED_VELOCITY))
         self.speeds = SpeedCheck(as_doubles(data.qvel), as_doubles(self._sane))
         self._position_of_dof = np.full(model.nv, -1, dtype=np.intp)
@@ -91,7 +91,7 @@ class OverspeedBrakes:
         self.asked = np.zeros(model.nv)
 
     def clamps(self, names: Iterable[str]) -> list[ClampReport]:
-        """Return the joints that were braked, of those given. Any thread.
+        """Return which of the given joints were braked. Any thread.
 
         Args:
             names: Joints with one degree of freedom.
@@ -127,8 +127,8 @@ class OverspeedBrakes:
             self.has_acted = False
         relative = self._relative
         np.multiply(self._qvel, self._shares, out=relative)
-        # The sum is a quick test that mostly suffices. Written so that a NaN ends here,
-        # too: the world reports a NaN as a divergence.
+        # The sum is a quick test that usually suffices. Both tests are false for a NaN,
+        # which the world reports as a divergence.
         if not relative.dot(relative) > 1.0 or not np.abs(relative).max() > 1.0:
             return
         fast = np.abs(relative) > 1.0
@@ -144,7 +144,7 @@ class OverspeedBrakes:
         change = impulses @ response
         self._qvel += change
         timestep = self._model.opt.timestep
-        # The integrator is semi-implicit: it moves by the velocity at the step's end.
+        # The integrator is semi-implicit: it moves with the velocity after the step.
         dofs = np.flatnonzero(change)
         places = self._position_of_dof[dofs]
         if places.size and places.min() < 0:
@@ -152,7 +152,7 @@ class OverspeedBrakes:
             mujoco.mj_integratePos(self._model, self._data.qpos, change, timestep)
         else:
             self._data.qpos[places] += timestep * change[dofs]
-        # The impulses of a joint slow it down, or come from the stop at its end.
+        # An impulse slows its joint down, or comes from the stop at the joint's end.
         is_stop = np.where(impulses < 0.0, high[held], -low[held]) < self._bounds[held]
         self.forces[held] = np.where(is_stop, 0.0, impulses / timestep)
         self.has_acted = True
@@ -192,8 +192,8 @@ def _find_impulses(
 
     Args:
         velocities: Velocities without impulses [rad/s or m/s], shape (n,).
-        bounds: Least velocities, <= 0, largest ones, >= 0, and what the accuracy is
-            relative to, > 0, shape (n,) each.
+        bounds: Least velocities, <= 0; largest velocities, >= 0; and scales for the
+            accuracy, > 0; shape (n,) each.
         response: Velocities that unit impulses cause, symmetric, shape (n, n).
     """
     velocity = velocities.copy()

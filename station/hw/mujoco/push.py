@@ -21,7 +21,7 @@ class Push:
         force: Force [N], shape (3,).
         torque: Torque [Nm], shape (3,).
         frame: Frame in whose axes force and torque are given: the world, or a body,
-            with which force and torque then turn.
+            with which they turn.
         point: Point of application, in the body's frame [m], shape (3,); None
             for its centre of mass.
     """
@@ -43,7 +43,7 @@ class AppliedPush:
         steps: Duration in time steps, >= 0.
 
     Attributes:
-        left: How many more time steps the push lasts.
+        left: Number of remaining time steps.
 
     Raises:
         HardwareInterfaceError: The world has no such body.
@@ -58,7 +58,7 @@ class AppliedPush:
         self._force, self._torque = np.array(push.force), np.array(push.torque)
         self._point = None if push.point is None else np.array(push.point)
         self.left = steps
-        # Only a push that turns or moves with a body is computed anew in every step.
+        # Only a push that turns or moves with a body is computed anew in each step.
         self._is_constant = not self._frame and self._point is None
         self._apply()
 

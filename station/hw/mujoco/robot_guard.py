@@ -1,4 +1,4 @@
-"""The guard of a simulated robot that has a URDF, by its collision geometry."""
+"""The guard of a simulated robot, made from the collision geometry of its URDF."""
 
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
@@ -24,27 +24,28 @@ from station.reports import Clearance
 
 _Matrix = NDArray[np.float64]
 # A drive brakes with 0.24 of its largest force over the inertia at the joint, see
-# `joint_drives`; the inertia is the largest in this many random poses, and more.
+# `joint_drives`. The inertia is the largest one in some random poses, so there is a
+# reserve.
 _SHARE_OF_FORCE = 0.2
 _POSES = 60
-# Speed and acceleration of joints without such limits [rad/s or m/s, and per s].
+# Speed and acceleration of joints without such limits [rad/s or m/s, rad/s^2 or m/s^2].
 _FASTEST, _HARDEST = 10.0, 1000.0
-# Larger than any jerk that matters: drives limit the acceleration alone.
+# Larger than any jerk that matters: drives limit only the acceleration.
 _ANY_JERK = 1e9
 # A joint that no controller commands counts as moving above this speed [rad/s or m/s].
 _MOVES = 1e-3
-# Poses on a way that are looked at, at most: weak drives brake for a metre and more.
+# Largest number of checked poses on a line: weak drives brake for more than a metre.
 _MOST_STEPS = 60
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 _ROUND = 24
-"""Corners of the polygon around a cylinder."""
+"""Number of corners of the polygon around a cylinder."""
 
 
 class RobotGuard(LinkGuard):
     """Keeps one simulated robot with a fixed base clear of its scene.
 
-    The robot may lag behind its commands. So a margin is larger by as far as any point
-    of the robot can be from where the commands have it.
+    The robot may lag behind its commands. So margins are enlarged by the largest
+    distance of any point of the robot from its commanded place.
 
     Args:
         name: Name of the robot.
@@ -52,12 +53,12 @@ class RobotGuard(LinkGuard):
         data: The world's data; control thread only.
         urdf: The robot.
         driven: Joints with a motor, as the control loop sees them.
-        joints: Their state and commands, in the same order.
-        modes: Joints that controllers command, and the kind of command.
+        joints: State and commands of these joints, in the same order.
+        modes: Joints that controllers command, and the quantity of the command.
         limits: Limits of these joints.
 
     Attributes:
-        is_active: Whether it looks at every command.
+        is_active: Whether the guard checks every command.
     """
 
     def __init__(
@@ -99,7 +100,7 @@ class RobotGuard(LinkGuard):
 
     @override
     def report(self) -> Clearance | None:
-        # The capsules are fitted when the first object with a role comes.
+        # The capsules are fitted when the first object with a role is added.
         return super().report() if self._is_made else None
 
     @override
@@ -108,13 +109,13 @@ class RobotGuard(LinkGuard):
 
     @override
     def watch(self, *, is_active: bool) -> None:
-        # Where the commands have a watched robot is known, whatever it watches.
+        # Only a robot that was not guarded has to be located anew.
         if not self.is_active:
             self.restart()
         self.is_active = is_active
 
     def restart(self) -> None:
-        """Begin anew from where the robot is; control thread."""
+        """Begin anew from the present state of the robot; control thread."""
         self._last = []
 
     @override
@@ -132,13 +133,13 @@ class RobotGuard(LinkGuard):
         return super().prepare(objects, None)
 
     def refuse_efforts(self, joints: Sequence[str]) -> None:
-        """Refuse that joints are commanded by efforts, which the guard cannot slow.
+        """Refuse efforts as commands of joints, because the guard cannot slow them.
 
         Args:
-            joints: Names of the joints.
+            joints: Names of the joints that efforts would command.
 
         Raises:
-            ParameterError: There are some.
+            ParameterError: There are such joints.
         """
         if joints:
             raise ParameterError(
@@ -163,7 +164,7 @@ class RobotGuard(LinkGuard):
         goals, rates = self._wanted(kinds, q, dq, period)
         guard.period = period
         put(guard.v, rates)
-        # A step of a joint without a velocity limit is no motion that could be judged.
+        # Without a velocity limit a joint can jump, which is no motion to be checked.
         steps = zip(rates, self._speed, strict=True)
         if any(abs(v) > 1.01 * most for v, most in steps) or not guard.passes():
             guard.catch_up(doubles(goals))
@@ -179,7 +180,7 @@ class RobotGuard(LinkGuard):
                 elif kind == "velocity":
                     joints.velocity_command[i] = rates[i]
         else:
-            # The step from where a joint is to its command is its lag, and no speed.
+            # For a new position command, the step from the joint is lag, not velocity.
             for i in beginning:
                 rates[i] = dq[i]
         put(
@@ -192,10 +193,10 @@ class RobotGuard(LinkGuard):
     def _follow(
         self, kinds: Sequence[str | None], q: Sequence[float], dq: Sequence[float]
     ) -> list[int]:
-        """Begin where a joint is that is not commanded by positions as before.
+        """Start at the measured position for joints without earlier position commands.
 
         Returns:
-            The joints that begin to be commanded by positions.
+            The joints whose position commands begin now.
         """
         guard, beginning = self.guard, []
         for i, kind in enumerate(kinds):
@@ -216,7 +217,7 @@ class RobotGuard(LinkGuard):
         dq: Sequence[float],
         period: float,
     ) -> tuple[list[float], list[float]]:
-        """Return the positions and velocities that are commanded; note the lag."""
+        """Return the commanded positions and velocities; store the lag."""
         guard, joints = self.guard, self._joints
         goals, rates, lag = [*q], [0.0] * len(q), 0.0
         for i, kind in enumerate(kinds):
@@ -234,7 +235,7 @@ class RobotGuard(LinkGuard):
         return goals, rates
 
     def _make(self) -> None:
-        """Make the capsules and the arithmetic, which takes a while."""
+        """Make the capsules and the arithmetic, which takes some time."""
         model, data = self._model, mujoco.MjData(self._model)
         data.qpos[self._model.jnt_qposadr] = 0.0
         mujoco.mj_kinematics(model, data)
@@ -322,7 +323,7 @@ class RobotGuard(LinkGuard):
     def _capsules(
         self, data: mujoco.MjData, bodies: Mapping[int, tuple[int, _Matrix]]
     ) -> tuple[list[LinkCapsule], list[int]]:
-        """Return a capsule around each geometry of a moving link, and their links."""
+        """Return a capsule around each geometry of a moving link, and its link."""
         model, found, owners = self._model, list[LinkCapsule](), list[int]()
         for geom in np.flatnonzero(
             model.geom_contype | model.geom_conaffinity
@@ -347,7 +348,7 @@ class RobotGuard(LinkGuard):
     def _decelerations(
         self, data: mujoco.MjData, limits: Sequence[JointLimits]
     ) -> list[float]:
-        """Return the deceleration of each joint, in any pose [rad/s^2 or m/s^2]."""
+        """Return each joint's possible deceleration in any pose [rad/s^2 or m/s^2]."""
         model, random = self._model, np.random.default_rng(1)
         lower, upper = np.full(model.nq, -np.pi), np.full(model.nq, np.pi)
         limited = model.jnt_limited.astype(bool)
@@ -387,7 +388,7 @@ def _turned_to(axis: _Matrix) -> _Matrix:
 
 
 def _points(model: mujoco.MjModel, geom: int) -> tuple[_Matrix, float]:
-    """Return points around which a geometry is, and how far it reaches beyond [m]."""
+    """Return points whose hull a geometry fills, and its reach beyond them [m]."""
     kinds, size = mujoco.mjtGeom, model.geom_size[geom]
     match kinds(int(model.geom_type[geom])):
         case kinds.mjGEOM_SPHERE:
@@ -406,7 +407,7 @@ def _points(model: mujoco.MjModel, geom: int) -> tuple[_Matrix, float]:
             corners = model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])]
             graph = int(model.mesh_graphadr[mesh])
             if graph >= 0:
-                # Corners of the convex hull alone (MuJoCo, `mesh_graph`).
+                # Only the corners of the convex hull (MuJoCo, `mesh_graph`).
                 count = int(model.mesh_graph[graph])
                 begin = graph + 2 + count
                 corners = corners[model.mesh_graph[begin : begin + count]]

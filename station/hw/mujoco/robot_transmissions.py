@@ -49,7 +49,7 @@ def read_transmissions(description: RobotFiles, urdf: Urdf) -> list[Transmission
 
     Args:
         description: The robot description.
-        urdf: The same, parsed.
+        urdf: The robot description, parsed.
 
     Raises:
         RobotDescriptionError: A `<transmission>` is incomplete, has a joint with a

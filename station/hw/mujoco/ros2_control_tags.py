@@ -1,8 +1,8 @@
 """Use the `<ros2_control>` elements of a URDF for the simulated robot.
 
-The plug-ins of simulators and mocks are the simulated robot itself; a driver of real
-hardware is simulated, and a repair names it. The elements list all that controllers
-may command: joints that they do not name hold their positions.
+Plug-ins of simulators and mocks are replaced by the simulated robot. So is a driver of
+real hardware, and a repair names it. The elements list everything that controllers may
+command: joints that they do not name hold their positions.
 
 Source: mujoco_ros2_control docs/hardware_interface.rst; gz_ros2_control doc/index.rst;
 ros2_control@6.x mock_components_userdoc.rst, joint_limiting.rst.
@@ -35,8 +35,8 @@ _SIMULATED = (
     "topic_based_ros2_control/",
     "isaac_ros2_control/",
 )
-"""Packages of plug-ins that simulate hardware, or stand for it."""
-# For mujoco_ros2_control the three words mean the same.
+"""Packages of plug-ins that simulate hardware, or replace it."""
+# In mujoco_ros2_control these three words mean the same.
 _QUANTITIES = {
     "position": "position",
     "velocity": "velocity",
@@ -47,7 +47,7 @@ _QUANTITIES = {
 _LIMITS_ONLY = ("acceleration", "jerk")
 """Command interfaces that only carry limits here."""
 _SENSORS = {
-    # A pose has an orientation, too, and is not simulated: this entry comes first.
+    # A pose has an orientation, too, and is not simulated: so this entry is first.
     "position": None,
     "force": SensorType.FORCE_TORQUE,
     "torque": SensorType.FORCE_TORQUE,
@@ -98,12 +98,12 @@ def read_tagged_robot(
 
     Args:
         description: The files of the robot.
-        sensors: Sensors of the configuration; they win over those of the same name.
-        strict: Whether a driver of real hardware, or a part that the simulation does
-            not have, is refused.
+        sensors: Sensors of the configuration; they replace sensors of the same name.
+        strict: Whether to refuse a driver of real hardware, or a part that the
+            simulation does not have.
 
     Raises:
-        RobotDescriptionError: An element is wrong; or `strict`, and see there.
+        RobotDescriptionError: An element is wrong, or is refused by `strict`.
     """
     robot = parse_robot(description.xml)
     reader = _TagReader(robot, {one.name for one in sensors})
@@ -139,7 +139,7 @@ def read_tagged_robot(
 
 
 class _TagReader:
-    """Collects the settings of the elements, and brings mimic rules into the URDF."""
+    """Collects the settings of the elements, and writes mimic rules into the URDF."""
 
     def __init__(self, robot: ET.Element, configured: set[str]) -> None:
         self._robot = robot
@@ -154,7 +154,7 @@ class _TagReader:
         self.repairs: list[Repair] = []
 
     def add(self, hardware: HardwareTag) -> None:
-        """Take in one hardware component."""
+        """Add one hardware component."""
         if not hardware.plugin.startswith(_SIMULATED):
             self._tell(
                 f"hardware '{hardware.name}'",
@@ -207,7 +207,7 @@ class _TagReader:
         self.positions[tag.name] = position
 
     def _settle_mimic(self, tag: ComponentTag) -> None:
-        """Remove a mimic rule that is switched off; add one in the older form."""
+        """Remove a mimic rule that is switched off; add a rule in the older form."""
         joint = self._joints[tag.name]
         rule = joint.find("mimic")
         if rule is not None and tag.is_mimic is False:
@@ -247,7 +247,7 @@ class _TagReader:
 
     def _link_of(self, tag: ComponentTag) -> str | None:
         names = [tag.parameters.get(key, "") for key in _FRAME_KEYS]
-        # gz_ros2_control finds a sensor by its name among those of Gazebo.
+        # gz_ros2_control finds a sensor by its name among the sensors of Gazebo.
         for element in self._robot.findall("gazebo"):
             if any(one.get("name") == tag.name for one in element.findall("sensor")):
                 place = element.get("reference", "")
@@ -266,7 +266,7 @@ class _TagReader:
 
 
 def _in_older_form(tag: ET.Element) -> ET.Element:
-    """Return a `<transmission>` of ROS 2 as ros_control writes it."""
+    """Return a `<transmission>` of ROS 2 in the form of ros_control."""
     result = ET.Element("transmission", {"name": tag.get("name", "")})
     plugin = tag.find("plugin")
     kind = "" if plugin is None else element_text(plugin)
@@ -283,8 +283,8 @@ def _in_older_form(tag: ET.Element) -> ET.Element:
                 interface.text = "hardware_interface/EffortJointInterface"
                 ET.SubElement(new, "offset").text = one.findtext("offset", "0")
             own = one.findtext("mechanical_reduction", "1")
-            # There the reduction of a simple transmission is the joint's, here the
-            # actuator's.
+            # In ROS 2 the reduction of a simple transmission belongs to the joint, in
+            # ros_control to the actuator.
             text = reduction if is_simple and part == "actuator" else own
             ET.SubElement(new, "mechanicalReduction").text = text
     if is_simple and tag.find("actuator") is None:

@@ -6,7 +6,7 @@ from station.core.geometry.scene import SceneObject
 
 
 def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:
-    """Put an object into the world; an object with a mass can be pushed.
+    """Add an object to the world; an object with a mass can be pushed.
 
     Args:
         spec: The world; changed.

@@ -4,9 +4,9 @@ A force-torque sensor is between its link and the parent link. It measures the f
 the torque with which the parent holds the link, in the link's frame: at rest the weight
 of the link and of all links behind it, upwards. An inertial measurement unit at rest
 measures 9.81 m/s^2 upwards; its orientation is that of the link in the world. A range
-sensor measures along the x axis of its link, and infinity where it sees nothing. The
-magnetic field of the world has x to the east and y to the north. A
-receiver of satellite navigation and a battery keep the values that they were given.
+sensor measures along the x axis of its link, and reads infinity if it meets nothing.
+The magnetic field of the world has x to the east and y to the north. A receiver of
+satellite navigation and a battery keep their configured values.
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,7 +45,7 @@ _MUJOCO_TYPES = {
     "magnetometer": mujoco.mjtSensor.mjSENS_MAGNETOMETER,
 }
 _DISTANCE = 1
-"""A range finder's data: the distance alone. Source: MuJoCo, mjtRayDataField."""
+"""A range finder's data: only the distance. Source: MuJoCo, mjtRayDataField."""
 _ALONG_X = Pose(quaternion=(sqrt(0.5), 0.0, sqrt(0.5), 0.0))
 """Turns the z axis, along which MuJoCo measures a range, into the x axis."""
 
@@ -130,7 +130,7 @@ class WorldSensors:
             w, x, y, z = values[start : start + 4]
             storage[:] = [x, y, z, w]
         for start, most, storage in self._ranges:
-            # MuJoCo says -1 for a ray that meets nothing.
+            # MuJoCo returns -1 for a ray that meets nothing.
             distance = values[start]
             storage[0] = distance if 0.0 <= distance <= most else inf
 
@@ -185,7 +185,7 @@ def _site_of(spec: mujoco.MjSpec, request: SensorRequest) -> str:
     Raises:
         ParameterError: The robot has no such link.
     """
-    if spec.site(request.link) is not None:  # a link that is nothing but a frame
+    if spec.site(request.link) is not None:  # a link that is only a frame
         return request.link
     body = spec.body(request.link)
     if body is None:

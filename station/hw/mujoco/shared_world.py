@@ -21,9 +21,9 @@ from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import joint_position_address
 
 _FARTHEST = 1.0
-"""Distance beyond which nothing is near [m]."""
+"""Distance beyond which bodies do not count as near [m]."""
 MOST_CONTACTS = 64
-"""Contacts reported at most: a pile of objects has hundreds."""
+"""Largest number of reported contacts: a pile of objects has hundreds."""
 
 
 class RobotInWorld(Protocol):
@@ -41,7 +41,7 @@ class SharedWorld(SimulatedWorld):
 
     Args:
         world: The MuJoCo world.
-        keyframes: Poses that have a name: joint name to position [rad or m].
+        keyframes: The named poses: joint name to position [rad or m].
 
     Attributes:
         world: As given.
@@ -57,7 +57,7 @@ class SharedWorld(SimulatedWorld):
         self._robots: list[RobotInWorld] = []
 
     def add_robot(self, robot: RobotInWorld) -> None:
-        """Let a robot start again after every reset of the world."""
+        """Add a robot, which starts again after every reset of the world."""
         self._robots.append(robot)
 
     @override
@@ -100,7 +100,7 @@ class SharedWorld(SimulatedWorld):
             return lambda: None
         first, second = pairs.T
         reach = model.geom_rbound[first] + model.geom_rbound[second]
-        # The size of a plane is 0: it has no bound, and is always measured.
+        # A plane has size 0, so it has no bound and is always measured.
         reach[model.geom_type[second] == mujoco.mjtGeom.mjGEOM_PLANE] = inf
 
         def find() -> tuple[str, str, float] | None:
@@ -134,7 +134,7 @@ class SharedWorld(SimulatedWorld):
         grips = [
             (name, link, _pose_of(data, link).inverse().compose(_pose_of(data, name)))
             for name, link in (carried or {}).items()
-            if model.body(name).jntnum[0]  # what is fixed to the world stays there
+            if model.body(name).jntnum[0]  # a body fixed to the world stays there
         ]
 
         def find(pose: Sequence[float]) -> Sequence[tuple[str, str, float]]:
@@ -157,23 +157,23 @@ class SharedWorld(SimulatedWorld):
 
     @override
     def longest_period(self) -> float:
-        """Return the largest of the robots' longest periods [s]; inf without any."""
+        """Return the largest of the robots' longest periods [s]; inf without robots."""
         return max((robot.longest_period() for robot in self._robots), default=inf)
 
 
 def _pairs(
     model: mujoco.MjModel, things: set[str], left_out: set[tuple[str, str]]
 ) -> NDArray[np.int64]:
-    """Return the geometries of a robot's links with those of others, shape (k, 2).
+    """Return pairs of a geometry of a robot's link and another one, shape (k, 2).
 
     Args:
         model: The world's model.
-        things: Names of the bodies that are no robots.
-        left_out: Pairs of bodies that do not count.
+        things: Names of the bodies that belong to no robot.
+        left_out: Pairs of bodies to leave out.
     """
     body = model.geom_bodyid
     solid = np.flatnonzero(model.geom_contype | model.geom_conaffinity).tolist()
-    # What is fixed to the world, such as the base of an arm, comes near to nothing.
+    # Links fixed to the world, such as the base of an arm, cannot come near anything.
     links = [
         one
         for one in solid
@@ -184,7 +184,7 @@ def _pairs(
         for one in links
         for other in solid
         if model.body_rootid[body[one]] != model.body_rootid[body[other]]
-        # A robot's first link has the floor below it, wherever the robot goes.
+        # Below a robot's first link there is always the floor.
         and (body[other] or model.body_weldid[model.body_parentid[body[one]]])
         and not (other in links and other < one)
         and (

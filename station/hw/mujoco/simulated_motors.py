@@ -1,7 +1,7 @@
 """The motors of a simulated robot, on the actuator side of its transmissions.
 
 A real robot has actuators, and transmissions map them to joints. MuJoCo simulates
-joints, so behind the actuators the transmissions are applied the other way round:
+joints, so behind the actuators the transmissions are applied in the other direction:
 MuJoCo's joint state becomes actuator state, and the commands of the actuators act on
 MuJoCo's joints. In a cycle:
 
@@ -48,8 +48,8 @@ class SimulatedMotors:
         targets: The drives' targets by quantity, shape (n,) each; written in place.
 
     Attributes:
-        joint_state: State of the simulated joints by quantity, shape (n,) each; to be
-            filled before `update_state`.
+        joint_state: State of the simulated joints by quantity, shape (n,) each; the
+            owner fills it before `update_state`.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""PID controllers inside a simulated robot, for joints that have gains for them."""
+"""PID controllers inside a simulated robot, for the joints that have gains."""
 
 from collections.abc import Mapping
 

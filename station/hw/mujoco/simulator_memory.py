@@ -1,4 +1,4 @@
-"""The memory of a simulator, as far as it belongs to the joints of one arm."""
+"""The part of a simulator's memory that belongs to the joints of one arm."""
 
 from array import array
 
@@ -8,7 +8,7 @@ from station.memory.doubles import Doubles, given_or_zeros
 class SimulatorMemory:
     """A simulator's state of n joints side by side, each of shape (n,).
 
-    Without arguments the memory is the object's own: for tests of its users.
+    Quantities that are not given get their own memory, as tests need it.
 
     Args:
         size: Number of joints.

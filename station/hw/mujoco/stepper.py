@@ -1,8 +1,8 @@
-"""Step MuJoCo without giving other threads a chance to take the interpreter.
+"""Step MuJoCo without a chance for other threads to take the interpreter.
 
 MuJoCo's Python binding releases the interpreter lock in `mj_step`. A busy thread then
-takes the lock, and the control loop waits for the lock longer than the step lasts. The
-same C function called through `ctypes.PyDLL` keeps the lock.
+takes the lock, and the control loop waits for it longer than the step lasts. The same C
+function keeps the lock if it is called through `ctypes.PyDLL`.
 """
 
 import ctypes
@@ -21,8 +21,8 @@ class Stepper(NamedTuple):
 
     Attributes:
         step: Makes one step.
-        addresses: Addresses of the C function that does the same and keeps the lock,
-            and of its model and data; zeros without such a function.
+        addresses: Addresses of the C function that makes the same step and keeps the
+            lock, and of its model and data; zeros without such a function.
     """
 
     step: Callable[[], None]
@@ -30,15 +30,15 @@ class Stepper(NamedTuple):
 
     @property
     def keeps_interpreter_lock(self) -> bool:
-        """Return whether no other thread runs during a step."""
+        """Return whether other threads are kept waiting during a step."""
         return self.addresses[0] != 0
 
 
 def make_stepper(model: mujoco.MjModel, data: mujoco.MjData) -> Stepper:
     """Return a function that advances `data` by a step.
 
-    The direct call is used only if a test shows that it gives the same results as the
-    binding, bit for bit; otherwise the binding is used.
+    The direct call is used only if a test shows that its results equal those of the
+    binding bit for bit; otherwise the binding is used.
 
     Args:
         model: The model.

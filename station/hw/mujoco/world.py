@@ -35,9 +35,9 @@ class WorldActor(Protocol):
 class World:
     """A MuJoCo simulation that several robots share.
 
-    When the simulated state is not finite any more, or a velocity is impossibly high,
-    the world has diverged: it goes back to the pose of the last reset, and its state
-    and time stand still until it is reset. All readings stay finite throughout.
+    If the simulated state is not finite any more, or a velocity is impossibly high, the
+    world has diverged. It goes back to the pose of the last reset, and its state and
+    time stand still until it is reset. All readings stay finite throughout.
 
     Threads: only the thread that calls `step` may touch the world, its data and its
     joints; in the station that is the control thread. `step` and the reading and
@@ -46,11 +46,11 @@ class World:
 
     Args:
         model: The compiled model; kept, and changed by `WorldJoints.set_servo`.
-        objects: The objects that `add_object` has added to the model.
+        objects: The objects that were added to the model by `add_object`.
 
     Attributes:
-        step: Let every actor act, then advance by one time step. A diverged world only
-            counts the step.
+        step: Lets every actor act, then advances by one time step. A diverged world
+            only counts the step.
         stepping: Makes the steps.
         brakes: The brakes that keep joints within their velocity limits.
         pushes: The pushes that act at present, by body.
@@ -95,10 +95,10 @@ class World:
         return self.stepping.count
 
     def add_actor(self, actor: WorldActor, preparation: Preparation) -> None:
-        """Let `actor` act before every step, after those added before it.
+        """Let an actor act before every step, after those added before.
 
         Args:
-            actor: Its `begin_anew` is called at a reset.
+            actor: Its `after_reset` is called after a reset.
             preparation: Writes the controls of the coming step.
         """
         self._actors.append(actor)
@@ -128,10 +128,11 @@ class World:
         )
 
     def limit_velocities(self, limits: Mapping[str, float]) -> None:
-        """Brake joints that are faster than their limit from now on; see `brakes`.
+        """Brake joints that are faster than their limit; see `brakes`.
 
         Args:
-            limits: Joint name to highest speed, > 0 [rad/s or m/s]; infinite for none.
+            limits: Joint name to highest speed, > 0 [rad/s or m/s]; infinite for no
+                limit.
 
         Raises:
             HardwareInterfaceError: A joint is not in the world.
@@ -145,10 +146,10 @@ class World:
         return [_report(thing, self.data) for thing in self._objects]
 
     def place_object(self, name: str, pose: Pose) -> None:
-        """Put an object somewhere else, at rest.
+        """Move an object to another pose, at rest.
 
         Args:
-            name: Its name.
+            name: Name of the object.
             pose: Pose of its middle in the world.
 
         Raises:
@@ -190,7 +191,7 @@ class World:
 
     def _brake(self) -> None:
         """Brake joints that are too fast; end a simulation that has diverged."""
-        # Written with `not … <`, so that a NaN counts as diverged, too.
+        # `not … <`, so that a NaN counts as diverged, too.
         if not self._qvel.dot(self._qvel) < MAX_SQUARED_VELOCITY:
             detail = _warnings[-1] if _warnings else "no warning of MuJoCo"
             self.diverged_because = (

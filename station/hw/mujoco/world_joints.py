@@ -19,8 +19,8 @@ class WorldJoints:
     """Joints of the world in a chosen order, n of them, each with its own motor.
 
     Reading returns new lists of n floats, never MuJoCo's own memory. Forces and inertia
-    belong to the last step, positions and velocities to the end of that step. To be
-    used by the thread that steps the world.
+    belong to the last step, positions and velocities to the end of that step. Only the
+    thread that steps the world may use them.
 
     Args:
         model: The world's model.
@@ -33,20 +33,20 @@ class WorldJoints:
     Attributes:
         names: As given.
         timestep: Duration of a step [s].
-        read_positions: Return the positions [rad or m].
-        read_velocities: Return the velocities [rad/s or m/s].
-        read_motor_forces: Return the motors' forces in the last step [Nm or N].
-        read_bias_forces: Return Coriolis, centrifugal and gravity forces [Nm or N].
-        read_compensation: Return the gravity compensation's forces [Nm or N].
-        read_inertia: Return the diagonal of the joint-space inertia matrix, armature
+        read_positions: Returns the positions [rad or m].
+        read_velocities: Returns the velocities [rad/s or m/s].
+        read_motor_forces: Returns the motors' forces in the last step [Nm or N].
+        read_bias_forces: Returns Coriolis, centrifugal and gravity forces [Nm or N].
+        read_compensation: Returns the gravity compensation's forces [Nm or N].
+        read_inertia: Returns the diagonal of the joint-space inertia matrix, armature
             included [kg m^2 or kg].
         damping: Passive damping [Nm s/rad or N s/m].
         armature: Rotor inertia as seen at the joints [kg m^2 or kg].
         lower_limits: Lowest positions [rad or m]; infinite where unlimited.
         upper_limits: Highest positions [rad or m]; infinite where unlimited.
         effort_limits: Largest motor forces [Nm or N]; infinite where unlimited.
-        memory: MuJoCo's own memory by the names that `JointDrives` has for it.
-        places: Indices of the joints in it, shape (n,) each.
+        memory: MuJoCo's own memory, by the names that `JointDrives` uses.
+        places: Indices of the joints in this memory, shape (n,) each.
 
     Raises:
         HardwareInterfaceError: A joint is unknown, has several degrees of freedom, or
@@ -137,7 +137,7 @@ class WorldJoints:
     def read_external_forces(self) -> list[float]:
         """Return the joint forces of contacts and pushes in the last step [Nm or N].
 
-        Forces of mechanical stops do not count, because they act inside the robot.
+        Forces of mechanical stops are left out, because they act inside the robot.
         """
         forces = self._read_constraints()
         if self._data.nl and any(forces):
@@ -177,7 +177,7 @@ class WorldJoints:
                 forces[slot] -= force if at_lower else -force
 
     def set_servo(self, stiffness: list[float], damping: list[float]) -> None:
-        """Let motors give control - stiffness * position - damping * velocity.
+        """Let the motors give control - stiffness * position - damping * velocity.
 
         The integrator treats the damping implicitly, so that every damping is stable.
 
@@ -203,13 +203,13 @@ class WorldJoints:
 
 
 class UnpoweredJoints:
-    """Puts the states of some joints into the joint states, with an effort of 0.
+    """Offers the states of joints that have no motor, with an effort of 0.
 
     Args:
         model: The world's model.
         data: The world's data.
         names: Joints with one degree of freedom, with or without a motor.
-        interface: Gets their handles.
+        interface: Receives their handles.
 
     Raises:
         HardwareInterfaceError: A joint is unknown.

@@ -11,7 +11,7 @@ from station.memory.vectors import are_within
 if not cython.compiled:
 
     def call_with_two(function: int, first: int, second: int) -> None:
-        """Call a C function by its address; Python cannot, and does not."""
+        """Stand in for the compiled call by address; never called in Python."""
 
 
 class Preparation:
@@ -39,14 +39,14 @@ class SpeedCheck:
         self.take_limits()
 
     def take_limits(self) -> None:
-        """Take over shares that have changed."""
+        """Take over limits that have changed."""
         largest = max(self.shares, default=0.0)
         self.slowest = 1.0 / largest if largest > 0.0 else 0.0
 
     def holds(self) -> bool:
-        """Return whether every velocity is certainly a number within its limit."""
-        # Interpreted, the length of all velocities together is known in a third of the
-        # time, and what rests or moves slowly is below every limit.
+        """Return whether every velocity is known to be a number within its limit."""
+        # In Python, the norm of all velocities takes a third of the time of the check,
+        # and if it is below the smallest limit, every velocity is below its own.
         if not cython.compiled and hypot(*self.velocities) < self.slowest:
             return True
         return are_within(self.velocities, self.shares, self.size)
@@ -59,15 +59,16 @@ class WorldStep:
         step: Advances the simulation by a time step.
         addresses: Addresses in memory of the C function that does the same, and of its
             two arguments; zeros if they are not known.
-        speeds: Whether the velocities after a step are within their limits.
-        brake: Called when one may not be, and once more after brakes have acted.
-        count_pushes: Counts the steps that pushes last.
+        speeds: Checks that the velocities after a step are within their limits.
+        brake: Called if a velocity may exceed its limit, and once more after brakes
+            have acted.
+        count_pushes: Called after a step to count down the duration of pushes.
 
     Attributes:
         count: Number of steps since the world exists.
         preparations: Actions before each step, in order.
         stands_still: Whether steps are only counted, because the simulation diverged.
-        is_pushed: Whether something is pushed.
+        is_pushed: Whether a push acts.
         is_braked: Whether a brake acted in the last step.
     """
 
