@@ -3,7 +3,7 @@
 Source: franka_ros@c11f000 franka_hw/src/franka_combinable_hw.cpp,
 franka_combined_hw.cpp; differs: all arms are read and commanded in one cycle; a
 controller that claims only some joints of an arm is refused; after an error of one arm
-the controllers of all are stopped and wait for a recovery, instead of running on.
+the controllers of all arms are stopped and wait for a recovery, instead of running on.
 """
 
 from collections.abc import Sequence
@@ -40,7 +40,7 @@ _ERRONEOUS = (RobotMode.REFLEX, RobotMode.USER_STOPPED, RobotMode.OTHER)
 
 
 class FrankaCombinableHW(FrankaHW):
-    """Type `franka_hw/FrankaCombinableHW`: an arm that takes torques only.
+    """Type `franka_hw/FrankaCombinableHW`: an arm that takes only torques.
 
     Interfaces: JointState, EffortJoint, FrankaState, FrankaModel, FrankaServices.
     """
@@ -79,8 +79,8 @@ class FrankaCombinableHW(FrankaHW):
 class FrankaCombinedHW(CombinedRobotHW):
     """Type `franka_hw/FrankaCombinedHW`.
 
-    Parameters: `robot_hardware`, a list of names; per name a namespace as for FrankaHW,
-    with a `base_xyz` of its own.
+    Parameters: `robot_hardware`, a list of names; and for each name a namespace with
+    the parameters of FrankaHW and its own `base_xyz`.
     """
 
     def __init__(self) -> None:
@@ -99,7 +99,8 @@ class FrankaCombinedHW(CombinedRobotHW):
         names = hw_params.get_str_list("robot_hardware")
         parameters = [read_parameters(hw_params.namespace(name)) for name in names]
         arm_ids = [one.arm_id for one in parameters]
-        # Resources are named after the arm, so two arms of one name would share them.
+        # Resources are named after the arm, so two arms of the same name would share
+        # them.
         if not names or len(set(arm_ids)) != len(arm_ids):
             raise ParameterError(
                 f"The arms of '{hw_params.resolve('robot_hardware')}' are {arm_ids}; "
@@ -144,7 +145,7 @@ class FrankaCombinedHW(CombinedRobotHW):
             guard.add_neighbour(other)
 
     def erroneous_arm(self) -> FrankaCombinableHW | None:
-        """Return the first arm that cannot move; None if all can."""
+        """Return the first arm that cannot move; None if all arms can."""
         for robot in self.arms:
             if robot.robot_state.robot_mode in _ERRONEOUS:
                 return robot
@@ -170,13 +171,13 @@ class FrankaCombinedHW(CombinedRobotHW):
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        """Refuse to start anything that moves while an arm has an error.
+        """Refuse to start controllers that command an arm while one has an error.
 
         Raises:
             SwitchRefusedError: An arm has an error, or refuses the switch.
         """
         robot = self.erroneous_arm()
-        # An error of one arm stops them all: arms that work together must not go on
+        # An error of one arm stops all arms: arms that work together must not continue
         # alone.
         if robot is not None and claims_of(start):
             raise SwitchRefusedError(

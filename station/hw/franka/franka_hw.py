@@ -3,11 +3,12 @@
 Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 
 - A switch that does not change the arm's mode does not interrupt the running motion,
-  unless another controller commands a Cartesian one.
+  unless a new controller commands a Cartesian motion.
 - A switch to a Cartesian motion is ongoing until the arm has come to rest.
-- At a switch the command buffers are seeded with the present state, so that nothing old
+- At a switch the command buffers are set to the present state, so that no old command
   is sent before a controller's first command.
-- Limits are enforced for the kinds of command that controllers give, and only there.
+  is sent before a controller's first command.
+- Limits are enforced only for the kinds of command that controllers give.
 - A command or a reading that is not finite stops the arm's motion instead of the
   process.
 - A late loop loses packets; with `realtime_config: ignore` the world and the station's
@@ -88,8 +89,8 @@ if TYPE_CHECKING:
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
-# Longest period of the loop with which the gains that franka_control configures for
-# effort controllers are stable [s].
+# Longest period of the loop at which effort controllers with the gains of
+# franka_control are stable [s].
 _SLOWEST_TORQUE_PERIOD = 0.004
 _MODE_NAMES = {float(mode.value): mode.name.lower() for mode in RobotMode}
 
@@ -98,25 +99,25 @@ class FrankaHW(RobotHW):
     """A Franka arm with seven joints: the one at `robot_ip`, or a simulated one.
 
     Interfaces: JointState and EffortJoint with the measured state, PositionJoint and
-    VelocityJoint with the desired one (q_d, dq_d), all under `joint_names`;
+    VelocityJoint with the desired state (q_d, dq_d), all under `joint_names`;
     FrankaState, FrankaPoseCartesian and FrankaVelocityCartesian under `<arm_id>_robot`;
-    FrankaModel under `<arm_id>_model` and, as the public documentation has it, also
-    under `<arm_id>_robot`; FrankaServices under `<arm_id>`. A hand in the URDF has
-    GripperServices there; the fingers of a simulated hand are in EffortJoint and
-    PositionJoint.
+    FrankaModel under `<arm_id>_model` and, as the public documentation says, also under
+    `<arm_id>_robot`; FrankaServices under `<arm_id>`. If the URDF has a hand,
+    GripperServices are under `<arm_id>`, too; the fingers of a simulated hand are in
+    EffortJoint and PositionJoint.
 
     Parameters are those of `franka_parameters`. `init` stores the URDF, with the names
     of this arm, as `robot_description` in the root namespace if there is none yet.
 
     Args:
-        arm: The arm to drive; None connects to the arm at the parameter `robot_ip`,
-            and without one makes a simulated arm in a world of its own.
+        arm: The arm to drive; None connects to the arm at the parameter `robot_ip`, or,
+            without that parameter, makes a simulated arm in its own world.
 
     Attributes:
         commands: The command buffers and their limits; from `init` on.
-        cartesian: The same for Cartesian commands.
-        guest: A client that may command the arm while no controller does; None if no
-            clients are served.
+        cartesian: The buffers and limits of Cartesian commands.
+        guest: A client that may command the arm while no controller does; None if
+            clients are not served.
     """
 
     def __init__(self, arm: RobotArm | None = None) -> None:
@@ -129,7 +130,7 @@ class FrankaHW(RobotHW):
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
-        """Set the robot up; see the class.
+        """Set the robot up with the parameters that the class names.
 
         Raises:
             ParameterError: A parameter is missing, unknown or impossible.
@@ -144,7 +145,7 @@ class FrankaHW(RobotHW):
             self._make_arm(root_params)
         self._mode = self.arm.state.doubles(MODE)
         description = load_arm_description(self._parameters.robot_description, limits)
-        # Names of joints begin with the arm's name, or two arms would have the same.
+        # Joints get the name of their arm, so that two arms have different joints.
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
@@ -201,7 +202,7 @@ class FrankaHW(RobotHW):
         services.register_handle(self._services)
         for interface in (state_interface(self.arm, arm_id, model), models, services):
             self.register_interface(interface)
-        # In a cycle, a method of Python around each would cost 4 %.
+        # Python methods around these calls would cost 4 % of a cycle.
         call_directly(
             self,
             FrankaHW,
@@ -220,7 +221,7 @@ class FrankaHW(RobotHW):
             FciNetworkError: The real arm does not answer.
             FciProtocolError: The real arm speaks another version.
         """
-        # Imported here: neither of them needs what the other one is made of.
+        # Imported here, because a real and a simulated arm need different packages.
         if self._parameters.robot_ip is not None:
             from station.hw.franka.fci.driver.connection import RealRobot
 
@@ -233,11 +234,11 @@ class FrankaHW(RobotHW):
             self.enter_world(simulate_one(told, root_params), told.arm_id)
 
     def enter_world(self, world: "FrankaWorld", arm_id: str) -> None:
-        """Drive an arm of a simulated world; before `init`.
+        """Drive an arm in a simulated world; called before `init`.
 
         Args:
             world: The world, which several robots may share.
-            arm_id: The arm in it.
+            arm_id: Name of the arm in the world.
         """
         self._world = world
         self._arm = world.arms[arm_id]
@@ -290,7 +291,7 @@ class FrankaHW(RobotHW):
 
     @override
     def read(self, time: float, period: float) -> None:
-        """Bring the arm's state up to date, one arm cycle per elapsed cycle time."""
+        """Update the arm's state, one arm cycle for each elapsed cycle time."""
         self._reading.read(time, period)
 
     @override
@@ -322,7 +323,7 @@ class FrankaHW(RobotHW):
         self._reading.nominal = arm_cycles_of(period, time, name, is_real=is_real)
 
     def longest_period(self) -> float:
-        """Return the longest time that the world advances without the loop [s]."""
+        """Return the longest time that the world advances in a cycle of the loop [s]."""
         told, nominal = self._parameters, self._reading.nominal
         longest = (nominal + told.most_lost_packets) * self.arm.cycle_time
         return longest if told.waits_for_late_loop else inf
@@ -351,7 +352,7 @@ class FrankaHW(RobotHW):
         except ParameterError as exc:
             raise SwitchRefusedError(exc.message, remedy=exc.remedy) from exc
         mode, arm_id = self._mode_after(start, stop), self._parameters.arm_id
-        # Only those that command need a free arm; others may read a blind one.
+        # Only controllers that command need a free arm; others may read NaN.
         if self._control_mode_of(start):
             check_free(
                 arm_id,
@@ -366,7 +367,7 @@ class FrankaHW(RobotHW):
                 details={"control_mode": mode.describe()},
             )
         if mode and (mode != self.control_mode or self.is_interrupted()):
-            # What runs on has commands already; the new ones begin at rest.
+            # Running controllers continue their commands; new ones begin at rest.
             kept = mode & ~self._control_mode_of(start)
             refusal = self._motion.refusal(mode, settings, kept)
             if refusal is not None:
@@ -375,7 +376,7 @@ class FrankaHW(RobotHW):
                     remedy="Remove the reason first, or choose other controllers.",
                     details={"control_mode": mode.describe()},
                 )
-        # After all that can refuse: a refused switch changes nothing.
+        # Set only now, because a switch that is refused must change nothing.
         self._settings = settings
 
     @override
@@ -384,8 +385,7 @@ class FrankaHW(RobotHW):
     ) -> None:
         self._motion.has_failed = False
         started = self._control_mode_of(start)
-        # Otherwise no controller of this arm is involved, and its motion goes on
-        # undisturbed.
+        # If no controller of this arm is involved, its motion continues undisturbed.
         if started or self._control_mode_of(stop):
             self._motion.enter(self._mode_after(start, stop), self._settings, started)
         if self._fingers is not None:
@@ -407,15 +407,14 @@ class FrankaHW(RobotHW):
 
     @override
     def interruption_of(self, controller: ControllerInfo) -> str | None:
-        # A controller that only reads goes on during a reflex.
+        # A controller that only reads continues during a reflex.
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return None
         blindness = self._reading.blindness()
         if blindness is not None:
             return f"arm '{self._parameters.arm_id}' is blind: {blindness}"
         errors = "; ".join(error.description for error in self.arm.errors())
-        # The first cause: a refused command makes the arm stop, which it then reports
-        # as well.
+        # The first cause: after a refused command the arm stops, and reports that, too.
         causes = self._sender.refusal or errors or self.arm.failure()
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {self.mode()}{because}"
@@ -443,7 +442,7 @@ class FrankaHW(RobotHW):
         return self._world
 
     def begin_anew(self) -> None:
-        """Go on in the present mode after a reset of the world."""
+        """Continue in the present mode after a reset of the world."""
         if self._fingers is not None:
             self._fingers.begin_anew()
         self._motion.enter(self.control_mode, self._settings, ControlMode.NONE)
@@ -456,7 +455,7 @@ class FrankaHW(RobotHW):
     def _add_fingers(self, names: Sequence[str], urdf: Urdf) -> None:
         """Add the hand of the URDF, if it has one, and its finger joints."""
         told, interfaces = self._parameters, self.commands.interfaces()
-        # An arm without a hand.
+        # The arm has no hand.
         if not all(name in urdf.joints for name in names):
             return
         if self._real is not None:
@@ -482,12 +481,12 @@ class FrankaHW(RobotHW):
 def state_interface(
     arm: RobotArm, arm_id: str, model: FrankaModel
 ) -> FrankaStateInterface:
-    """Return the interface with the arm's whole state, `<arm_id>_robot`.
+    """Return the interface with the arm's complete state, `<arm_id>_robot`.
 
     Args:
         arm: The arm.
-        arm_id: Prefix of its names.
-        model: The arm's model, from which the state is completed.
+        arm_id: Name of the arm.
+        model: The arm's model, from which derived fields are computed.
     """
     states = FrankaStateInterface()
     name = f"{arm_id}_robot"
@@ -503,7 +502,7 @@ def model_interface(
 
     Args:
         arm: The arm.
-        arm_id: Prefix of its names.
+        arm_id: Name of the arm.
         model: The arm's model.
 
     Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, setupFrankaModelInterface;
@@ -527,10 +526,10 @@ def arm_cycles_of(
         is_real: Whether the arm needs a command in each of its cycles.
 
     Raises:
-        HardwareInterfaceError: `period` is shorter than the arm's own cycle, or longer
-            than that of a real arm.
+        HardwareInterfaceError: `period` is shorter than the arm's cycle, or, for a real
+            arm, longer.
     """
-    # The margin is rounding.
+    # A margin for rounding.
     if period < 0.999 * cycle_time:
         raise HardwareInterfaceError(
             f"The loop runs at {1.0 / period:g} Hz; arm '{arm_id}' takes at most "
@@ -546,7 +545,7 @@ def arm_cycles_of(
             1.0 / period,
             1.0 / _SLOWEST_TORQUE_PERIOD,
         )
-    # Rounded: 0.001 has no exact binary form.
+    # Rounded, because 0.001 has no exact binary form.
     cycles = max(1, round(period / cycle_time))
     if is_real and cycles > 1:
         raise HardwareInterfaceError(
@@ -567,7 +566,7 @@ def check_free(
         arm_id: Name of the arm.
         is_connected: Whether the arm is connected.
         has_guest: Whether a client of the Franka Control Interface moves the arm.
-        blindness: Name of a reading that is not finite; None when all are finite.
+        blindness: Name of a reading that is not finite; None if all are finite.
 
     Raises:
         SwitchRefusedError: The arm is not free.

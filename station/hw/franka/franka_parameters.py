@@ -2,8 +2,8 @@
 
 Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW::initParameters,
 setupParameterCallbacks, and franka_control/config/franka_control_node.yaml; differs:
-whatever has a default there in the YAML file has it here too, unknown parameters and
-impossible values are refused, and no wrong value falls back to a default.
+every default in that YAML file is the default here, too; unknown parameters and
+impossible values are refused; and no wrong value is replaced by a default.
 """
 
 from collections.abc import Mapping, Sequence
@@ -60,8 +60,8 @@ _KEYS = frozenset({
     "fingers_in_joint_states",
 })
 
-# Viscous friction of 200 Nm s/rad would reverse the lightest joint, of 0.1 kg m^2, in
-# a step of 1 ms; a Franka has less than 2 Nm of Coulomb friction.
+# Viscous friction of 200 Nm s/rad would reverse the motion of the lightest joint, 0.1
+# kg m^2, in a step of 1 ms; a Franka has less than 2 Nm of Coulomb friction.
 MOST_FRICTION = {"coulomb": 50.0, "viscous": 50.0}
 """Largest friction of a joint [Nm, Nm s/rad]."""
 INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
@@ -75,7 +75,7 @@ class FrankaParameters:
 
     Attributes:
         arm: The kind of arm, a key of `LIMITS_OF_ARM`.
-        arm_id: Prefix of the arm's names.
+        arm_id: Name of the arm, with which the names of its joints begin.
         joint_names: The 7 joints, from base to flange.
         robot_description: `example-robot-data:<robot>` or the path of a URDF.
         joint_limit_warning_threshold: Distance to a position limit below which there is
@@ -84,19 +84,21 @@ class FrankaParameters:
         base: The base's pose in the world.
         limits: Limits of this kind of arm.
         gravity: Acceleration of gravity in the axes of the world [m/s^2].
-        most_lost_packets: As many cycles as the arm is made to miss when the loop is
-            late (`realtime_config`): 20, which stops it, if `enforce`; 19 if `ignore`.
+        most_lost_packets: Largest number of cycles in which a late loop gives the arm
+            no command (`realtime_config`): 20, which stops the arm, with `enforce`; 19
+            with `ignore`.
         collision_behavior: Thresholds at the start (`collision_config`).
         limit_mode: How joint commands are limited.
-        thresholds: Thresholds that Franka does not publish (`supervisor`).
+        thresholds: The supervisor's thresholds that Franka does not publish
+            (`supervisor`).
         service_limits: The largest loads and pushes (`service_limits`).
         is_realistic: Whether a simulated arm has friction, noise and an observer
             (`realism: typical`), or none of them (`ideal`).
-        realism_seed: Of the simulated arm's random numbers, >= 0.
-        identified: Coulomb [Nm] and viscous [Nm s/rad] friction that were identified,
-            by joint; a simulated arm has them in place of the typical ones.
-        publishes_fingers: Whether the joint states have the fingers of a simulated hand
-            as franka_gripper publishes them (`fingers_in_joint_states`).
+        realism_seed: Seed of the simulated arm's random numbers, >= 0.
+        identified: Identified Coulomb [Nm] and viscous [Nm s/rad] friction by joint,
+            which a simulated arm uses instead of typical values.
+        publishes_fingers: Whether the joint states contain the fingers of a simulated
+            hand, as franka_gripper publishes them (`fingers_in_joint_states`).
         robot_ip: Address of the real arm; None for a simulated one.
     """
 
@@ -127,7 +129,7 @@ class FrankaParameters:
 
     @property
     def remark(self) -> str | None:
-        """Return a remark if the arm has the name of another kind; else None."""
+        """Return a remark if the arm has the name of another kind of arm; else None."""
         named = _kind_named(self.arm_id)
         if named in {None, self.arm}:
             return None
@@ -139,7 +141,7 @@ class FrankaParameters:
 
 
 def read_parameters(params: Parameters) -> FrankaParameters:
-    """Read the parameters that FrankaHW needs once.
+    """Read the parameters that FrankaHW reads only once.
 
     Args:
         params: The robot's namespace.
@@ -147,7 +149,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
     Raises:
         ParameterError: A parameter is missing, unknown or impossible.
     """
-    # A misspelt limit would silently have its default.
+    # Unknown keys are refused: a misspelt limit would silently have its default.
     for key in sorted(set(params.keys()) - _KEYS):
         raise ParameterError(
             f"Parameter '{params.resolve(key)}' is unknown to FrankaHW.",
@@ -229,7 +231,7 @@ def _robot_ip(params: Parameters) -> str | None:
 def _base(params: Parameters) -> Pose:
     x, y, z = _floats(params, "base_xyz", (0.0, 0.0, 0.0))
     roll, pitch, yaw = _floats(params, "base_rpy", (0.0, 0.0, 0.0))
-    # Most likely degrees.
+    # An angle above one turn is probably in degrees.
     if max(abs(roll), abs(pitch), abs(yaw)) > 2.0 * pi:
         wanted = "angles in radians"
         _refuse(params, "base_rpy", [roll, pitch, yaw], wanted)
@@ -237,7 +239,7 @@ def _base(params: Parameters) -> Pose:
 
 
 def _arm(params: Parameters, arm_id: str) -> str:
-    # By its name, as the launch files of franka_ros call their arms.
+    # The arm's name implies its kind, as in the launch files of franka_ros.
     chosen = _kind_named(arm_id) or "panda"
     for key in ("arm_type", "arm"):  # the first is the older name of the second
         if not params.has(key):
@@ -300,7 +302,7 @@ def _most_lost_packets(params: Parameters) -> int:
     config = params.get_str("realtime_config", "enforce")
     if config not in {"enforce", "ignore"}:
         _refuse(params, "realtime_config", config, "enforce or ignore")
-    # One less than what ends a motion: with `ignore` a late loop never ends one.
+    # With `ignore`, one less than the number that ends a motion.
     return MOST_LOST_PACKETS if config == "enforce" else MOST_LOST_PACKETS - 1
 
 
@@ -338,7 +340,7 @@ def _thresholds(params: Parameters) -> SupervisorLimits:
         singular_start=params.get_float("singular_start", default.singular_start),
     )
     for key in ("velocity_factor", "torque_factor", "debounce", "power"):
-        # Written so that NaN is refused.
+        # `not … >`, so that NaN is refused, too.
         if not getattr(read, key) > 0.0:
             _refuse(params, key, getattr(read, key), "above 0")
     if not read.singular_start >= 0.0:

@@ -1,1 +1,1 @@
-"""The seam: the interface of FrankaHW to an arm, and the facts of every Franka arm."""
+"""The seam: the interface of FrankaHW to an arm, and facts about every Franka arm."""

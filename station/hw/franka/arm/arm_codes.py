@@ -13,7 +13,7 @@ RECOVERY = 6
 """Mode of an arm that recovers from an error."""
 
 NO_MOTION = 0
-"""Generator of an arm whose motion commands torques alone, or nothing."""
+"""Generator of an arm whose motion commands only torques, or nothing."""
 POSITIONS = 1
 """Generator of joint positions."""
 VELOCITIES = 2

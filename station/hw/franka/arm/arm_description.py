@@ -1,8 +1,8 @@
-"""The URDF of an arm: its joints' names, and the values of its kind.
+"""The URDF of an arm: the names of its joints, and the values of its kind of arm.
 
-example-robot-data has a Panda and no FR3. Both have the same kinematics, so that an FR3
-is made of the Panda's URDF: its shapes and its hand stay, the limits of its joints and
-the masses of its links change.
+example-robot-data has a Panda but no FR3. Both have the same kinematics, so the URDF of
+an FR3 is made from the Panda's: the shapes and the hand stay, the limits of the joints
+and the masses of the links change.
 
 Source: franka_ros@c11f000 franka_description/robots, fr3/joint_limits.yaml,
 common/utils.xacro; franka_description@1.0.1 robots/fr3.
@@ -29,7 +29,7 @@ def find_prefix(description: RobotFiles) -> str:
     """Return the prefix of the names in a Franka arm's URDF, e.g. `panda_`.
 
     Raises:
-        RobotDescriptionError: The URDF has no 7 joints with the names of an arm.
+        RobotDescriptionError: The URDF does not have 7 joints with the names of an arm.
     """
     joints = load_urdf(description).joints
     for name in joints:
@@ -47,19 +47,20 @@ def find_prefix(description: RobotFiles) -> str:
 def load_arm_description(reference: str, limits: ArmLimits) -> RobotFiles:
     """Find and read the URDF of an arm.
 
-    A URDF with the names of a Panda gets the limits and masses of the wanted kind of
-    arm. A URDF with other names stays as it is.
+    If the URDF has the names of a Panda, its limits and masses are replaced by those of
+    the wanted kind of arm. A URDF with other names stays as it is.
 
     Args:
         reference: `example-robot-data:<robot>` or the path of a URDF file.
         limits: Limits of this kind of arm.
 
     Raises:
-        RobotDescriptionError: The URDF cannot be found or read, or is no Franka arm.
+        RobotDescriptionError: The URDF cannot be found or read, or is not that of a
+            Franka arm.
     """
     description = load_robot_files(reference)
     prefix = find_prefix(description)
-    # Any other URDF than the Panda's states the values of its own arm.
+    # Other URDFs than the Panda's state the values of their own arm.
     if limits.urdf is None or prefix != _PANDA:
         return description
     return _with_values(description, limits.urdf)

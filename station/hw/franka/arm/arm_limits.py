@@ -16,12 +16,12 @@ from station.hw.franka.arm.velocity_curves import velocity_towards_end
 
 @dataclass(frozen=True, slots=True)
 class MotionLimits:
-    """Limits of one motion, translation [m], rotation [rad] or elbow [rad].
+    """Limits of one motion: translation [m], rotation [rad] or elbow [rad].
 
     Attributes:
-        velocity: Per second, > 0.
-        acceleration: Per second squared, > 0.
-        jerk: Per second cubed, > 0.
+        velocity: Largest speed [unit/s], > 0.
+        acceleration: Largest acceleration [unit/s^2], > 0.
+        jerk: Largest jerk [unit/s^3], > 0.
     """
 
     velocity: float
@@ -35,17 +35,17 @@ class MotionLimits:
 
 @dataclass(frozen=True, slots=True)
 class UrdfValues:
-    """The values that the URDF of another arm has in place of a Panda's.
+    """The values of a kind of arm that differ from those in a Panda's URDF.
 
-    Where velocity limits depend on the position, a URDF can but give a range of
-    positions in which a lower velocity is always allowed.
+    A URDF cannot state velocity limits that depend on the position. It states a range
+    of positions in which a lower velocity is always allowed.
 
     Attributes:
         lower: Lowest positions of the joints [rad], shape (7,).
         upper: Highest positions [rad], shape (7,).
-        velocity: [rad/s], shape (7,).
-        inertials: Of the links 0 to 7, in their frames: mass [kg], centre of mass [m],
-            and inertia about it, xx, yy, zz, xy, xz, yz [kg m^2]; shape (8, 10).
+        velocity: Highest speeds of the joints [rad/s], shape (7,).
+        inertials: For links 0 to 7, in their frames: mass [kg], centre of mass [m], and
+            inertia about it, xx, yy, zz, xy, xz, yz [kg m^2]; shape (8, 10).
     """
 
     lower: tuple[float, ...]
@@ -61,24 +61,24 @@ class ArmLimits:
     Attributes:
         lower: Lowest positions [rad].
         upper: Highest positions [rad].
-        velocity: Of the joints [rad/s].
-        acceleration: Of the joints [rad/s^2].
-        jerk: Of the joints [rad/s^3].
-        torque: Of the joints [Nm].
-        torque_rate: Of commanded torques [Nm/s].
-        translation: Of the end effector.
-        rotation: Of the end effector.
-        elbow: Of the elbow angle.
-        limiter_elbow_velocity: Up to which libfranka's limiter lets the elbow go
-            [rad/s].
-        tolerated_losses: Lost packets for which the velocity limit leaves room.
-        urdf: Values in a URDF of the arm where they differ from those of a Panda; None:
-            none do.
-        curves: (a, b, upper, lower) per joint of limits that depend on the position,
-            see `velocity_range`; empty where there are none. They end at rest, so that
-            no position limit of commands is needed besides.
-        filters_first_pose: The low-pass acts on the first position or pose of a motion,
-            too.
+        velocity: Highest speeds of the joints [rad/s].
+        acceleration: Largest accelerations of the joints [rad/s^2].
+        jerk: Largest jerks of the joints [rad/s^3].
+        torque: Largest torques of the joints [Nm].
+        torque_rate: Largest rate of commanded torques [Nm/s].
+        translation: Limits of the end effector's translation.
+        rotation: Limits of the end effector's rotation.
+        elbow: Limits of the elbow angle.
+        limiter_elbow_velocity: Highest speed of the elbow that libfranka's limiter
+            allows [rad/s].
+        tolerated_losses: Number of lost packets for which the velocity limit leaves
+            room.
+        urdf: Values that differ from those in a Panda's URDF; None if none do.
+        curves: (a, b, upper, lower) for each joint whose limits depend on the position,
+            see `velocity_range`; empty if they do not. The limits are 0 at the ends of
+            the range, so that commands need no position limits as well.
+        filters_first_pose: Whether the low-pass acts on the first position or pose of a
+            motion, too.
     """
 
     lower: tuple[float, ...]
@@ -102,7 +102,7 @@ class ArmLimits:
 
         Args:
             joint: Index of the joint, 0 to 6.
-            q: Its position [rad].
+            q: Position of the joint [rad].
         """
         highest = self.velocity[joint]
         if not self.curves:

@@ -9,7 +9,7 @@ from station.memory.doubles import Doubles, Indices, Storage, zeros
 
 
 class LinkDistances:
-    """Finds the closest two of some capsules that are fixed to the links of an arm.
+    """Finds the two closest of some capsules that are fixed to the links of an arm.
 
     Args:
         capsules: The capsules, 7 numbers each.
@@ -18,7 +18,7 @@ class LinkDistances:
 
     Attributes:
         closest: Number of the closest pair: the index of its first capsule times the
-            number of all capsules, plus the index of the second one.
+            number of all capsules, plus the index of its second capsule.
     """
 
     def __init__(self, capsules: Doubles, owners: Indices, pairs: Indices) -> None:
@@ -30,9 +30,9 @@ class LinkDistances:
         self.closest = -1
 
     def measure(self, links: Storage) -> float:
-        """Return the distance of the closest pair [m]; infinite without a pair.
+        """Return the distance of the closest pair [m]; infinite without pairs.
 
-        It is negative where the capsules overlap.
+        It is negative if the capsules overlap.
 
         Args:
             links: Poses of the links, 16 numbers each.
@@ -49,7 +49,7 @@ class LinkDistances:
                 self.normal,
             )
             gap = gap - capsules[7 * i + 6] - capsules[7 * j + 6]
-            # None is closer where a position is not finite.
+            # A pair with a position that is not finite is never the closest.
             if gap < best:
                 best, self.closest = gap, i * len(self.owners) + j
         return best

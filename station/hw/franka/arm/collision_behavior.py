@@ -1,4 +1,4 @@
-"""The thresholds of contact and collision: defaults, check, and near estimates."""
+"""The thresholds of contact and collision: defaults, checks, and warnings."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ DEFAULT_COLLISION_BEHAVIOR = CollisionBehavior(
 )
 """Thresholds as franka_control configures them; contact and collision coincide."""
 NEAR = 0.8
-"""Share of its threshold from which an estimate counts as near a collision."""
+"""Share of its threshold above which an estimate counts as near a collision."""
 _TORQUES, _FORCES = 7, 6
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
@@ -33,7 +33,7 @@ class ThresholdProblem:
 
 
 def collision_behavior_problem(behavior: CollisionBehavior) -> ThresholdProblem | None:
-    """Return the first threshold that cannot be used; None when all can.
+    """Return the first threshold that cannot be used; None if all can.
 
     Args:
         behavior: The thresholds.
@@ -47,8 +47,7 @@ def collision_behavior_problem(behavior: CollisionBehavior) -> ThresholdProblem 
                 return ThresholdProblem(
                     name, f"{size} numbers for each of the {what} thresholds"
                 )
-            # With a threshold of 0 an arm at rest would be in contact with its own
-            # noise.
+            # With a threshold of 0, noise would be a contact of an arm at rest.
             if any(not 0.0 < a <= b for a, b in zip(lower, upper, strict=True)):
                 return ThresholdProblem(
                     name, f"above 0, no lower {what} threshold above its upper one"
@@ -63,7 +62,7 @@ def check_collision_behavior(behavior: CollisionBehavior) -> None:
         behavior: The thresholds.
 
     Raises:
-        InvalidCommandError: One cannot be used.
+        InvalidCommandError: A threshold cannot be used.
     """
     problem = collision_behavior_problem(behavior)
     if problem is not None:
@@ -97,7 +96,7 @@ def collision_error(signal: int, value: float, bound: float) -> ArmError:
     Args:
         signal: Number of the estimate: the 7 torques, then the wrench's 6 components.
         value: The estimate [Nm, N].
-        bound: Its threshold, in the same unit.
+        bound: Threshold of the estimate, in the same unit.
     """
     if signal < _TORQUES:
         return ArmError("joint_reflex", f"joint{signal + 1}", value, bound, "Nm")

@@ -1,4 +1,4 @@
-"""The controllers that may share an arm, and the mode they need. Pure functions.
+"""Which controllers may share an arm, and the mode they need. Pure functions.
 
 Source: franka_ros@c11f000 franka_hw/include/franka_hw/control_mode.h,
 franka_hw/src/control_mode.cpp, resource_helpers.cpp, franka_hw.cpp
@@ -39,7 +39,7 @@ MODE_OF_INTERFACE: Mapping[str, ControlMode] = MappingProxyType({
     "franka_hw::FrankaVelocityCartesianInterface": ControlMode.CARTESIAN_VELOCITY,
     "franka_hw::FrankaPoseCartesianInterface": ControlMode.CARTESIAN_POSE,
 })
-"""The command interfaces and the mode that a claim through them asks for."""
+"""The command interfaces, each with the mode that a claim through it needs."""
 
 GENERATOR_OF_MODE: Mapping[ControlMode, MotionGeneratorMode] = MappingProxyType({
     ControlMode.NONE: MotionGeneratorMode.NONE,
@@ -48,8 +48,9 @@ GENERATOR_OF_MODE: Mapping[ControlMode, MotionGeneratorMode] = MappingProxyType(
     ControlMode.CARTESIAN_VELOCITY: MotionGeneratorMode.CARTESIAN_VELOCITY,
     ControlMode.CARTESIAN_POSE: MotionGeneratorMode.CARTESIAN_POSITION,
 })
-"""The motion generator of a mode without its torque part. A mode is supported when it
-is here with or without `JOINT_TORQUE`: 10 of the 32 combinations."""
+"""The motion generator for each supported mode without its torque part. A mode is
+supported, with or without `JOINT_TORQUE`, if it is listed here: 10 of the 32
+combinations."""
 
 _JOINT_MOTIONS = ControlMode.JOINT_POSITION | ControlMode.JOINT_VELOCITY
 _CARTESIAN_MOTIONS = ControlMode.CARTESIAN_VELOCITY | ControlMode.CARTESIAN_POSE
@@ -66,18 +67,18 @@ class Claim:
 
 
 def is_supported(mode: ControlMode) -> bool:
-    """Return whether an arm can be in that mode."""
+    """Return whether an arm supports a mode."""
     return mode & ~ControlMode.JOINT_TORQUE in GENERATOR_OF_MODE
 
 
 def arm_id_of(resource: str) -> str | None:
     """Return the arm that a resource belongs to, e.g. `panda` for `panda_joint1`.
 
-    The text before the last `_joint`, or else before the last `_robot`; None if the
-    resource names no arm.
+    It is the text before the last `_joint`, or else before the last `_robot`; None if
+    the resource belongs to no arm.
     """
     for marker in ("_joint", "_robot"):
-        # The last one: the name of an arm may itself contain `_joint`.
+        # The last marker counts: the name of an arm may itself contain `_joint`.
         arm_id, found, _ = resource.rpartition(marker)
         if found and arm_id:
             return arm_id
@@ -95,9 +96,10 @@ def claims_of(controllers: Iterable[ControllerInfo]) -> list[Claim]:
 
 
 def control_mode_of(controllers: Iterable[ControllerInfo], arm_id: str) -> ControlMode:
-    """Return the mode that some controllers together ask of an arm.
+    """Return the mode that some controllers together need of an arm.
 
-    A kind counts when all seven joints, or the Cartesian resource, are claimed.
+    A kind of command is part of it if all seven joints, or the Cartesian resource, are
+    claimed.
     """
     counts = _count_claims(claims_of(controllers), arm_id)
     mode = ControlMode.NONE
@@ -117,7 +119,7 @@ def find_conflicts(
 
     Args:
         controllers: All controllers that would be running.
-        arm_id: Name of the arm. Claims of other arms are only tested for doubles.
+        arm_id: Name of the arm. Claims of other arms are only checked for duplicates.
 
     Returns:
         One entry per conflict; empty when they can run together.

@@ -2,8 +2,8 @@
 
 All matrices are flat and column-major, as libfranka has them: a pose T has 16 numbers,
 T(r, c) = T[4 c + r]; a Jacobian has 42, J(r, c) = J[6 c + r], rows vx vy vz wx wy wz.
-Base frame O: centre of the base, z along joint 1. `arm_chain` of `core.numerics` does
-the arithmetic; functions of every cycle call it with memory of their own.
+Base frame O: centre of the base, z along joint 1. `core.numerics.arm_chain` does the
+arithmetic; code that runs in every cycle calls it with its own memory.
 
 Source: Franka Control Interface documentation, Denavit-Hartenberg parameters (Craig's
 convention; the same for Panda and FR3); libfranka@0.9.2 include/franka/model.h, Frame.

@@ -13,9 +13,10 @@ class Load:
     """A rigid body fixed to the flange.
 
     Attributes:
-        mass: [kg], >= 0.
-        center_of_mass: In the flange frame [m], shape (3,).
-        inertia: About the centre of mass, axes of the flange [kg m^2], 3 x 3, flat.
+        mass: Mass [kg], >= 0.
+        center_of_mass: Centre of mass in the flange frame [m], shape (3,).
+        inertia: Inertia about the centre of mass, axes of the flange [kg m^2], 3 x 3,
+            flat.
     """
 
     mass: float = 0.0
@@ -24,7 +25,7 @@ class Load:
 
 
 def combine_loads(first: Load, second: Load) -> Load:
-    """Return two bodies at the flange as one; the inertia of no mass does not count."""
+    """Return two bodies at the flange as one; without mass, an inertia is ignored."""
     mass = first.mass + second.mass
     if mass == 0.0:
         return Load()

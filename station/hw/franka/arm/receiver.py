@@ -1,7 +1,7 @@
 """A part of the seam: compiled code that takes the commands of an arm.
 
-To pass a view of memory through a call of Python takes 0.2 us, 1 us when the caches are
-cold. So the commands of a simulated arm are passed by a call of C.
+Passing a view of memory through a Python call takes 0.2 us, or 1 us if the caches are
+cold. So the commands of a simulated arm are passed by a call in C.
 """
 
 from station.memory.doubles import Storage
@@ -10,19 +10,18 @@ from station.memory.doubles import Storage
 class Receiver:
     """Takes commands for the next cycle of an arm; the base class takes none.
 
-    A command that is not taken has changed nothing and goes to the `command_...` method
+    A command that is not taken has changed nothing, and goes to the `command_…` method
     of `RobotArm`, which takes or refuses it. An arm of another package, e.g. behind a
-    network, needs no receiver of its own.
+    network, does not need its own receiver.
     """
 
     def receive(self, values: Storage, kind: int) -> bool:
-        """Return whether a command was taken.
+        """Take a command, or return False.
 
         Args:
             values: Torques [Nm], positions [rad] or velocities [rad/s] of the joints,
                 shape (7,), or a pose without an elbow, 16 numbers.
-            kind: The motion that it belongs to, see `arm_codes`; `NO_MOTION` for
-                torques.
+            kind: Kind of the motion, see `arm_codes`; `NO_MOTION` for torques.
         """
         return False
 

@@ -1,4 +1,4 @@
-"""The seam between FrankaHW and an arm, cut where libfranka has it.
+"""The seam between FrankaHW and an arm, at the same place as libfranka's interface.
 
 A real arm is another implementation of `RobotArm`.
 
@@ -24,13 +24,13 @@ from station.memory.doubles import Doubles, Storage
 from station.reports import ArmRecord
 
 REST_VELOCITY = 2e-4
-"""Joints slower than this are at rest [rad/s]."""
+"""Speed below which joints count as at rest [rad/s]."""
 MEASURED_REST = 0.02
-"""Joints that are measured slower than this are at rest [rad/s]: the noise of a real
-arm's velocities is 3 mrad/s (see `Realism`)."""
+"""Measured speed below which joints count as at rest [rad/s]: the noise of a real arm's
+velocities is 3 mrad/s (see `Realism`)."""
 
 MOST_LOST_PACKETS = 20
-"""Commands lost in a row that end a motion."""
+"""Number of commands lost in a row that ends a motion."""
 
 
 class SingularStartError(ArmCommandError):
@@ -38,7 +38,7 @@ class SingularStartError(ArmCommandError):
 
 
 class ControllerMode(Enum):
-    """The controller that makes the torques during a motion."""
+    """The controller that computes the torques during a motion."""
 
     JOINT_IMPEDANCE = "joint_impedance"
     CARTESIAN_IMPEDANCE = "cartesian_impedance"
@@ -59,25 +59,25 @@ class RobotArm(ABC):
     """An arm with 7 joints that is read and commanded once per cycle.
 
     Order: `read_once` is called once per elapsed cycle. While a motion runs, the
-    commands that its modes ask for follow between two reads, each once per cycle; a
-    command acts in the step to the next state. Before the first command of a motion
-    the arm stays where it is. After that, a cycle without a command counts as a lost
-    packet: the motion goes on with constant acceleration, and `MOST_LOST_PACKETS` lost
-    packets in a row end it with `communication_constraints_violation`. With no motion
-    running the arm holds its pose itself.
+    commands of its modes follow between two reads, each once per cycle; a command acts
+    in the step to the next state. Before the first command of a motion the arm stays
+    where it is. After it, a cycle without a command counts as a lost packet: the motion
+    continues with constant acceleration, and `MOST_LOST_PACKETS` lost packets in a row
+    end it with `communication_constraints_violation`. Without a motion the arm holds
+    its pose itself.
 
     Threads: all methods belong to the control thread. `read_once` may wait for the
     arm's next state and for nothing else; `read_once`, `start_motion`, `stop_motion`
     and the `command_…` methods do not log, and do not raise once their arguments are
     valid.
 
-    `station.testing.ArmConformance` holds every implementation to this contract.
+    `station.testing.ArmConformance` tests that an implementation keeps this contract.
 
     Attributes:
         cycle_time: Time from one state of the arm to the next [s].
         state: The arm's state; one object for the life of the arm, see `RobotState`.
-        guard: Keeps the arm clear of its scene; None where there is nothing. Whoever
-            commands the arm asks it first.
+        guard: Keeps the arm clear of its scene; None without a scene. Code that
+            commands the arm calls the guard first.
     """
 
     guard: Guard | None = None
@@ -99,20 +99,20 @@ class RobotArm(ABC):
         controller_mode: ControllerMode,
         motion_generator_mode: MotionGeneratorMode,
     ) -> str | None:
-        """Return the reason for refusing a motion with these modes. Any thread.
+        """Return the reason why a motion with these modes is refused. Any thread.
 
-        None when the motion could start. Whether another motion still runs does not
-        count: the caller stops that motion first.
+        None if the motion could start. A motion that still runs is no reason, because
+        the caller stops it first.
         """
 
     @abstractmethod
     def is_at_rest(self) -> bool:
-        """Return whether neither the arm nor its desired motion moves."""
+        """Return whether the arm and its desired motion both stand still."""
 
     def is_stopping(self) -> bool:
-        """Return whether the arm still refuses a motion because it ends the last one.
+        """Return whether the arm refuses a motion because it still ends the last one.
 
-        Always False for an arm that takes a new motion over at once.
+        Always False for an arm that can begin a new motion at once.
         """
         return False
 
@@ -125,13 +125,13 @@ class RobotArm(ABC):
         """Begin a motion. Until its first command the arm stays where it is.
 
         Args:
-            controller_mode: Controller that makes the torques.
+            controller_mode: Controller that computes the torques.
             motion_generator_mode: Kind of the commanded motion; NONE only with the
-                external controller, for torques only.
+                external controller, for torques without a motion.
 
         Raises:
             SingularStartError: The motion is Cartesian and the pose is singular.
-            ArmCommandError: A motion runs already, the modes do not go together, or
+            ArmCommandError: A motion runs already, the modes do not fit together, or
                 the arm cannot move now.
         """
 
@@ -147,7 +147,7 @@ class RobotArm(ABC):
             tau: Desired link-side torques without gravity [Nm].
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: The command is not 7 finite numbers.
             ArmCommandError: No motion with the external controller runs.
         """
 
@@ -159,25 +159,25 @@ class RobotArm(ABC):
             q: Desired positions [rad].
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: The command is not 7 finite numbers.
             ArmCommandError: No joint position motion runs.
         """
 
     def plan_joint_positions(self, q: Storage, fastest: Sequence[float]) -> None:
-        """Let the arm plan a motion to positions itself, instead of commanding it.
+        """Let the arm plan and execute a motion to positions by itself.
 
-        One call is enough for the whole way: the cycles after it need no command. The
-        next call changes the target wherever the arm is. A target beyond the limits is
-        an error of the arm, as a commanded position would be.
+        One call is enough for the whole motion: the following cycles need no command.
+        Another call changes the target at any time. A target beyond the limits is an
+        error of the arm, as a commanded position would be.
 
         Args:
             q: Target positions [rad], shape (7,).
             fastest: Largest velocities, > 0 [rad/s], shape (7,); the arm's own limits
-                hold besides.
+                apply, too.
 
         Raises:
-            InvalidCommandError: `q` are not 7 finite numbers.
-            ArmCommandError: No joint position motion runs, or the arm does not plan.
+            InvalidCommandError: `q` is not 7 finite numbers.
+            ArmCommandError: No joint position motion runs, or the arm cannot plan.
         """
         raise ArmCommandError(
             f"The arm plans no way to {[*q]} within {[*fastest]} rad/s.",
@@ -192,7 +192,7 @@ class RobotArm(ABC):
             dq: Desired velocities [rad/s].
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: The command is not 7 finite numbers.
             ArmCommandError: No joint velocity motion runs.
         """
 
@@ -205,10 +205,10 @@ class RobotArm(ABC):
         Args:
             pose: Homogeneous transform O_T_EE, column-major, shape (16,) [-, m].
             elbow: Position of joint 3 [rad] and sign of joint 4 (+1 or -1), or None to
-                leave the elbow to the arm.
+                let the arm choose the elbow.
 
         Raises:
-            InvalidCommandError: Not a transform, or an impossible elbow.
+            InvalidCommandError: `pose` is not a transform, or the elbow is impossible.
             ArmCommandError: No Cartesian position motion runs.
         """
 
@@ -223,13 +223,13 @@ class RobotArm(ABC):
             elbow: As in `command_cartesian_pose`.
 
         Raises:
-            InvalidCommandError: Not finite numbers, or an impossible elbow.
+            InvalidCommandError: A number is not finite, or the elbow is impossible.
             ArmCommandError: No Cartesian velocity motion runs.
         """
 
     @abstractmethod
     def load_model(self) -> FrankaModel:
-        """Return a new model of the arm. Takes milliseconds: not during a motion.
+        """Return a new model of the arm. It takes milliseconds: not during a motion.
 
         Source: libfranka@0.9.2 include/franka/robot.h, Robot.loadModel.
         """
@@ -238,26 +238,27 @@ class RobotArm(ABC):
     def refresh_state(self) -> None:
         """Bring the derived fields of `state` up to date.
 
-        Costs next to nothing when they are up to date already.
+        This costs almost nothing if they are up to date already.
         """
 
     def pose_source(self, model: FrankaModel) -> ModelSource | None:  # noqa: ARG002
         """Return a source of `O_T_EE` only, without a refresh; None if there is none.
 
         Args:
-            model: A model of this arm, whose results are used where they can be.
+            model: A model of this arm, whose results are reused if possible.
         """
         return None
 
     def accelerometers(self) -> tuple[Doubles, Doubles] | None:
-        """Return the readings on top and on the bottom of the boards in the joints.
+        """Return the readings at the top and the bottom of the boards in the joints.
 
-        None when the arm does not tell them. They are computed when they are asked for,
-        so that they cost nothing else.
+        None if the arm does not report them. They are computed only in this call, so
+        that they cost no time otherwise.
 
         Returns:
-            Both for the boards of joints 1 to 6, in the axes of the sensors, gravity
-            included [m/s^2], each of 6 x 3 numbers; valid until the next call.
+            Top and bottom readings for the boards of joints 1 to 6, in the axes of the
+            sensors, gravity included [m/s^2], each of 6 x 3 numbers; valid until the
+            next call.
         """
         return None
 
@@ -266,10 +267,10 @@ class RobotArm(ABC):
         """Set the stiffness of the internal joint impedance controller.
 
         Args:
-            stiffness: > 0 [Nm/rad], shape (7,).
+            stiffness: Stiffness of the joints [Nm/rad], > 0, shape (7,).
 
         Raises:
-            ArmCommandError: A motion runs; as for all setters.
+            ArmCommandError: A motion runs; likewise for the other setters.
         """
 
     @abstractmethod
@@ -277,7 +278,8 @@ class RobotArm(ABC):
         """Set the stiffness of the internal Cartesian impedance controller.
 
         Args:
-            stiffness: In the axes of the stiffness frame, > 0 [N/m, Nm/rad], (6,).
+            stiffness: Stiffness in the axes of the stiffness frame [N/m, Nm/rad], > 0,
+                shape (6,).
 
         Raises:
             ArmCommandError: A motion runs.
@@ -328,7 +330,7 @@ class RobotArm(ABC):
         """
 
     def collision_behavior(self) -> CollisionBehavior | None:
-        """Return the thresholds in force; None when the arm does not tell them."""
+        """Return the thresholds in force; None if the arm does not report them."""
         return None
 
     def is_lost(self) -> bool:
@@ -340,7 +342,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def check_recovery(self) -> None:
-        """Refuse when the arm cannot recover itself now. An arm without errors can.
+        """Refuse if the arm cannot recover itself now. An arm without errors can.
 
         Raises:
             ArmCommandError: The arm cannot recover, e.g. the user stop is pressed.
@@ -350,8 +352,8 @@ class RobotArm(ABC):
     def automatic_error_recovery(self) -> None:
         """Return from Reflex to Idle and forget the errors; no motion starts.
 
-        The arm is in AutomaticErrorRecovery until it is at rest. Does nothing when the
-        arm is not in Reflex.
+        The arm is in AutomaticErrorRecovery until it is at rest. If it is not in
+        Reflex, nothing happens.
 
         Raises:
             ArmCommandError: The arm is in a state from which it cannot recover itself.
@@ -359,7 +361,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def errors(self) -> list[ArmError]:
-        """Return the present errors, or else the errors that ended the last motion."""
+        """Return the present errors; if none, those that ended the last motion."""
 
     def failure(self) -> str:
         """Return the arm's message about the end of its last motion; may be empty."""
@@ -371,7 +373,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def remedy(self) -> str | None:
-        """Return the step needed before the arm can move; None when it can move."""
+        """Return the step needed before the arm can move; None if it can move."""
 
     @abstractmethod
     def simulation(self) -> ArmSimulation | None:

@@ -1,9 +1,9 @@
-"""The clearance of an arm's links: distances between capsules.
+"""The distances between the links of an arm, measured between capsules.
 
 Source: franka_ros@c11f000 franka_description/robots/common/franka_arm.xacro and
-hand.xacro, the coarse collision models; differs: the safety distance is one between two
-capsules, a parameter, and is not part of their radii; pairs that their joints keep
-apart are left out.
+hand.xacro, the coarse collision models; differs: the safety distance is a parameter,
+measured between two capsules, and not part of their radii; pairs of links that the
+joints keep apart are left out.
 """
 
 from collections.abc import Sequence
@@ -17,8 +17,8 @@ _HAND = 8
 _EIGHTH_TURN = 0.5**0.5
 _HAND_AXIS = (_EIGHTH_TURN, _EIGHTH_TURN, 0.0)  # the hand is turned by -45 degrees
 _HAND_HEIGHT = 0.107
-# (link; 8 is the hand), centre [m], axis, radius [m], distance of the spheres [m];
-# all in the frame of the link, those of the hand in the one of link 7.
+# (link; 8 is the hand), centre [m], axis, radius [m], distance of the spheres [m]; all
+# in the frame of the link, for the hand in the frame of link 7.
 _CAPSULES = (
     (0, (-0.075, 0.0, 0.06), (1.0, 0.0, 0.0), 0.06, 0.03),
     (1, (0.0, 0.0, -0.1915), (0.0, 0.0, 1.0), 0.06, 0.283),
@@ -32,8 +32,8 @@ _CAPSULES = (
     (_HAND, (0.0, 0.0, _HAND_HEIGHT + 0.04), _HAND_AXIS, 0.04, 0.10),
     (_HAND, (0.0, 0.0, _HAND_HEIGHT + 0.10), _HAND_AXIS, 0.02, 0.10),
 )
-# Links that the joints between them let come near each other; links up to two joints
-# apart overlap by construction, the others left out stay 9 cm apart in every pose.
+# Pairs of links that the joints between them let come near each other. Links at most
+# two joints apart overlap by construction; other pairs stay 9 cm apart in every pose.
 _NEAR: dict[int, tuple[int, ...]] = {
     0: (5, 6, 7, _HAND),
     1: (5, 6, 7, _HAND),
@@ -46,7 +46,7 @@ _NEAR: dict[int, tuple[int, ...]] = {
 def _ends_and_radius(
     center: Sequence[float], axis: Sequence[float], radius: float, length: float
 ) -> list[float]:
-    """Return a capsule as `capsules` takes it, 7 numbers."""
+    """Return a capsule in the form of `capsules`, 7 numbers."""
     half = length / 2.0
     ends = [
         c + sign * half * a
@@ -62,7 +62,7 @@ _SHAPES = doubles(
     for _, center, axis, radius, length in _CAPSULES
     for value in _ends_and_radius(center, axis, radius, length)
 )
-# The hand is fixed to link 7; `capsules` counts the links from 0.
+# The hand is fixed to link 7; in `capsules` the indices of links begin at 0.
 _OWNERS = indices(min(link, DOF) - 1 for link in _LINKS)
 _PAIRS = [
     (i, j)
@@ -80,7 +80,7 @@ def _name(link: int) -> str:
 LINKS_OF_PAIR = {
     i * len(_LINKS) + j: f"{_name(_LINKS[i])} and {_name(_LINKS[j])}" for i, j in _PAIRS
 }
-"""Names of two links, e.g. `link2 and hand`, by the number of their capsules' pair."""
+"""Names of two links, e.g. `link2 and hand`, by the number of the capsules' pair."""
 
 
 def link_distances(*, has_hand: bool) -> LinkDistances:

@@ -16,7 +16,7 @@ TRANSLATIONAL_STIFFNESS = (10.0, 3000.0)
 ROTATIONAL_STIFFNESS = (1.0, 300.0)
 """Range of the Cartesian impedance about the axes [Nm/rad]."""
 PUSH_DISTANCE = 10.0
-"""Largest distance of the point of a push from the origin of the link [m]."""
+"""Largest distance of a push's point of application from the link's origin [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +26,10 @@ class ServiceLimits:
     Attributes:
         load_mass: Mass of a load [kg], > 0. Source: datasheets of Panda and Franka
             Research 3, payload 3 kg.
-        push_force: Length of the force of a push or of a simulated collision [N], > 0;
-            by default more than the motors can hold at any distance above 0.2 m.
-        push_torque: Length of the torque of a push [Nm], > 0; by default more than the
-            87 Nm of the strongest motors.
+        push_force: Largest force of a push or of a simulated collision [N], > 0; by
+            default more than the motors can hold at any distance above 0.2 m.
+        push_torque: Largest torque of a push [Nm], > 0; by default more than the 87 Nm
+            of the strongest motors.
         push_duration: Duration of a push [s], > 0.
     """
 
@@ -46,15 +46,15 @@ def check_vector(
 
     Args:
         values: The vector, in `unit`, shape (3,).
-        largest: Its largest length, in `unit`.
+        largest: Largest length of the vector, in `unit`.
         field: Name of the field of the request.
         what: The vector as a message names it, e.g. `force of a push`.
-        unit: The unit.
+        unit: Unit of the vector.
 
     Raises:
         InvalidCommandError: The vector has not 3 finite numbers, or is too long.
     """
-    # Compared so that a length which is not a number is refused, too.
+    # `not … <=`, so that a NaN length is refused, too.
     if len(values) != 3 or not hypot(*values) <= largest:
         raise InvalidCommandError(
             f"The {what} is {list(values)} {unit}; allowed are 3 numbers, and a length "
@@ -74,11 +74,11 @@ def check_ranges(
 
     Args:
         values: The numbers.
-        ranges: Lowest and highest of each.
+        ranges: Lowest and highest value of each number.
         what: Name of the field.
 
     Raises:
-        InvalidCommandError: A number is out of its range, or there are more or fewer.
+        InvalidCommandError: A number is out of its range, or the count is wrong.
     """
     found = [
         field_error(f"{what}/{i}", f"must be {low:g} to {high:g}", value)["errors"][0]
@@ -101,12 +101,12 @@ def check_load(
     inertia: Sequence[float],
     limits: ServiceLimits,
 ) -> None:
-    """Refuse a load outside of the range that the arm can carry.
+    """Refuse a load outside the range that the arm can carry.
 
     Args:
-        mass: [kg].
+        mass: Mass [kg].
         center: Centre of mass in the flange frame [m], shape (3,).
-        inertia: [kg m^2], 9 numbers.
+        inertia: Inertia about the centre of mass [kg m^2], 9 numbers.
         limits: The limits.
 
     Raises:
@@ -120,7 +120,7 @@ def check_load(
             "payload of the arm needs the robot's parameter service_limits/load_mass.",
             details=field_error("mass", f"must be 0 to {largest:g} kg", mass),
         )
-    # No part of such a load is farther than LOAD_DISTANCE from its centre of mass.
+    # The bound assumes that no part is farther than LOAD_DISTANCE from that centre.
     for field, values, size, bound, unit in (
         ("F_x_center_load", center, 3, LOAD_DISTANCE, "m"),
         ("load_inertia", inertia, 9, largest * LOAD_DISTANCE**2, "kg m^2"),

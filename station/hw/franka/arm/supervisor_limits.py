@@ -1,4 +1,4 @@
-"""Thresholds at which an arm stops by itself, and which Franka does not publish."""
+"""Thresholds at which an arm stops by itself and that Franka does not publish."""
 
 from dataclasses import dataclass
 from math import inf, pi
@@ -9,22 +9,22 @@ class SupervisorLimits:
     """Thresholds of measured quantities that Franka does not publish.
 
     Attributes:
-        position_tolerance: Beyond a position limit [rad]; negative: before it.
-        velocity_factor: Of the velocity limits, joints and end effector. A joint of the
-            simulation is never faster than `OVERSPEED` times its limit: above that only
-            the end effector can be too fast.
-        torque_factor: Of the torque limits: range of the torque sensors.
-        debounce: Cycles that a measured value must be out of its range, >= 1.
-        power: Sum over the joints of |tau_J dq| [W].
+        position_tolerance: Distance beyond a position limit [rad]; negative before it.
+        velocity_factor: Share of the velocity limits of joints and end effector. A
+            joint of the simulation is never faster than `OVERSPEED` times its limit, so
+            above that factor only the end effector can be too fast.
+        torque_factor: Share of the torque limits: the range of the torque sensors.
+        debounce: Cycles for which a measured value must be out of its range, >= 1.
+        power: Largest sum over the joints of |tau_J dq| [W].
         self_collision_distance: Least distance between links that are not neighbours
             [m]; the links are capsules, and a negative distance lets them overlap.
         cartesian_lower: Lowest x, y, z of the end effector, axes of the base [m].
-        cartesian_upper: Highest ones [m]; the walls of a box.
-        path_deviation: How far the end effector may be from where the motion wants it:
+        cartesian_upper: Highest x, y, z [m]; both are the walls of a box.
+        path_deviation: Largest distance of the end effector from the desired motion:
             translation [m], rotation [rad], elbow [rad]. Source: libfranka@0.9.2
             src/robot_impl.h, kDefaultDeviation: 10 m, 3.12 rad, 2 pi.
         singular_start: Least singular value of the Jacobian [m, rad] at which a
-            Cartesian motion starts; joint 3, whose position the elbow gives, is left
+            Cartesian motion may start. Joint 3, whose position the elbow gives, is left
             out. 0 lets every motion start.
     """
 

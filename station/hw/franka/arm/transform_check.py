@@ -13,7 +13,7 @@ _ROTATION_TOLERANCE = 1e-4
 
 
 def transform_problem(pose: Sequence[float]) -> str | None:
-    """Return the reason why numbers are no homogeneous transform; None if they are.
+    """Return why numbers are not a homogeneous transform; None if they are one.
 
     Orthogonality and handedness are not tested.
 
@@ -37,8 +37,9 @@ def transform_problem(pose: Sequence[float]) -> str | None:
 def check_transform(pose: Sequence[float], what: str) -> list[float]:
     """Return the pose as a new list; stricter than `transform_problem`.
 
-    Axes that are left-handed or not at right angles are refused as well. A frame is set
-    once and used in every later cycle: every pose and wrench would be wrong.
+    Axes that are left-handed or not at right angles are refused, too. A frame is set
+    once and used in every later cycle, so an error would make all poses and wrenches
+    wrong.
 
     Args:
         pose: The numbers.

@@ -1,7 +1,7 @@
-"""Velocity limits that fall towards the ends of a joint's range.
+"""Velocity limits that decrease towards the ends of a joint's range.
 
-A joint that keeps them comes to rest at the end with a deceleration that never exceeds
-half of the slope b of the squared velocity.
+A joint that keeps these limits comes to rest at the end, with a deceleration of at most
+b / 2, half of the slope b of the squared velocity.
 
 Source: libfranka@0.20.4 src/joint_velocity_limits.cpp,
 JointVelocityLimitsConfig::getUpperJointVelocityLimits, getLowerJointVelocityLimits.
@@ -18,12 +18,12 @@ def velocity_towards_end(highest: float, a: float, b: float, room: float) -> flo
 
     Args:
         highest: The limit far from the end [rad/s], >= 0.
-        a: Subtracted from the velocity [rad/s], >= 0.
+        a: Number subtracted from the velocity [rad/s], >= 0.
         b: Slope of the squared velocity over the distance [rad/s^2], >= 0.
         room: Distance from the end [rad].
     """
-    # Beyond the end, where the root has no real value, a joint may only come back; nor
-    # may one go on whose position is not a number.
+    # Beyond the end the root has no real value: the joint may only come back. A joint
+    # whose position is NaN must not move.
     velocity = square_root(b * room) - a if room > 0.0 else 0.0
     if velocity > highest:
         return highest
@@ -36,8 +36,8 @@ class VelocityCurves:
     Args:
         highest: The limits in the middle of the ranges [rad/s], shape (n,).
         curves: (a, b, upper end, lower end) of each joint.
-        margins: How far inside its limits the velocity of each joint stays [rad/s],
-            shape (n,); below 0: how far beyond. A range is never turned inside out.
+        margins: How far inside the limits each joint's range of velocities ends
+            [rad/s], shape (n,); negative for outside. No range has negative width.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class VelocityCurves:
         Args:
             q: Positions of the joints [rad], shape (n,).
             lowest: Receives the limits of negative velocities [rad/s], shape (n,).
-            highest: Receives those of positive velocities [rad/s], shape (n,).
+            highest: Receives the limits of positive velocities [rad/s], shape (n,).
         """
         for i in range(self.size):
             most, a, b = self.highest[i], self.a[i], self.b[i]
@@ -67,5 +67,5 @@ class VelocityCurves:
             highest[i] = fastest if fastest > 0.0 else 0.0
             fastest = velocity_towards_end(most, a, b, q[i] - self.lower[i])
             fastest -= margin
-            # Subtracted, so that no limit is -0.
+            # A difference, so that no limit is -0.
             lowest[i] = 0.0 - (fastest if fastest > 0.0 else 0.0)
