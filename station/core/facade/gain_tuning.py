@@ -38,7 +38,6 @@ class GainTuning:
         manager: Its controller manager.
         change_lock: Lock that is held while a controller is loaded or unloaded.
         inputs: Receives each change.
-        inputs: Record of changes.
     """
 
     def __init__(

@@ -323,7 +323,7 @@ class FrankaHW(RobotHW):
         self._reading.nominal = arm_cycles_of(period, time, name, is_real=is_real)
 
     def longest_period(self) -> float:
-        """Return the longest time that the world advances in a cycle of the loop [s]."""
+        """Return the longest time that the world advances in one cycle [s]."""
         told, nominal = self._parameters, self._reading.nominal
         longest = (nominal + told.most_lost_packets) * self.arm.cycle_time
         return longest if told.waits_for_late_loop else inf

@@ -99,9 +99,9 @@ class RollingBase(Preparation):
         urdf: The robot. Its wheels are the joints without a range that have `wheel` in
             their name and an axis across the root link.
 
-    RobotDescriptionError: The robot lacks wheels on a side, or the radius of a
-        wheel is not known.
-            not known.
+    Raises:
+        RobotDescriptionError: The robot lacks wheels on a side, or the radius of a
+            wheel is not known.
     """
 
     def __init__(self, world: "World", urdf: Urdf) -> None:

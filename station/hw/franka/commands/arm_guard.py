@@ -24,9 +24,10 @@ from station.hw.franka.commands.rate_limiter import PERIOD, rate_limits_of
 from station.hw.link_guard import LinkGuard
 from station.memory.doubles import doubles, put
 
-# One or two for each link, the smallest around the hulls of the collision meshes,
-# the fingers both open and closed; rounded, and each radius a little larger. Those of
-# hand and fingers are in the frame of link 7. The base, link 0, does not move.
+# One or two capsules for each link, the smallest around the hulls of its collision
+# meshes, with the fingers both open and closed; rounded, and each radius a little
+# larger. The capsules of hand and fingers are in the frame of link 7. The base, link 0,
+# does not move.
 CAPSULES = (
     LinkCapsule("link1", (0.0003, -0.046, -0.0701), (0.0003, -0.046, -0.004), 0.0843),
     LinkCapsule("link1", (-0.0044, 0.0003, -0.1359), (0.0026, 0.0003, -0.1359), 0.0791),
@@ -51,14 +52,14 @@ class ArmGuard(LinkGuard):
 
     Args:
         arm_id: Name of the arm.
-        base: Pose of its base in the world.
+        base: Pose of the arm's base in the world.
         has_hand: Whether a hand is mounted.
         limits: Limits of this kind of arm.
         state: The arm's state.
-        sender: Sends its commands.
+        sender: Sends the commands of the arm.
 
     Attributes:
-        guard: The arithmetic.
+        guard: Computes the slowed commands.
         arm_id, base: As given.
     """
 
@@ -105,7 +106,7 @@ class ArmGuard(LinkGuard):
         )
 
     def add_neighbour(self, other: "ArmGuard") -> None:
-        """Make another arm known, which a scene may let count.
+        """Add another arm, which counts if the scene says so.
 
         Args:
             other: The other arm.
@@ -172,17 +173,17 @@ def _owners(capsules: Sequence[LinkCapsule]) -> list[int]:
 
 
 def slowed(guard: Guard, field: str, values: Sequence[float]) -> list[float]:
-    """Return a command of an external client as slow as the guard wants it.
+    """Return a command of an external client, slowed as the guard requires.
 
     Args:
         guard: The arm's guard.
-        field: The command's name: `tau_J_d`, `q_c`, `dq_c`, `O_T_EE_c` or `O_dP_EE_c`.
-        values: The command.
+        field: Name of the command: `tau_J_d`, `q_c`, `dq_c`, `O_T_EE_c` or `O_dP_EE_c`.
+        values: The numbers of the command.
 
     Raises:
         InvalidCommandError: The arm has to stop at once to stay clear.
     """
-    # The arm refuses what is no number; the guard's arithmetic would not notice.
+    # The arm refuses such a command itself; the guard would compute with NaN.
     if not all(isfinite(value) for value in values):
         return [*values]
     memory, verdict = doubles(values), PASSES

@@ -21,8 +21,8 @@ class ArmReading:
         arm: The arm.
         motion: The motion that may wait for the arm.
         sender: Sends commands in the cycles between two cycles of the loop.
-        most_lost: As many cycles as the arm is made to miss.
-        losses_that_end: Commands lost in a row that end a motion.
+        most_lost: Largest number of cycles in which a late loop gives no command.
+        losses_that_end: Number of commands lost in a row that ends a motion.
 
     Attributes:
         nominal: Cycles of the arm per cycle of the loop.
@@ -59,11 +59,11 @@ class ArmReading:
             time: Station time of the cycle [s].
             period: Time since the last cycle [s], >= 0.
         """
-        # What is left over is kept, so that a loop whose period is no multiple of the
-        # arm's cycle keeps its pace.
+        # The remainder is kept, so that a loop whose period is not a multiple of the
+        # arm's cycle keeps its rate.
         self.time_due += period
         share, count = self.time_due / self.cycle_time, 1
-        # The usual cycle: one state, without the arithmetic of a late one.
+        # The usual cycle has one state, and needs no arithmetic for late ones.
         if self.nominal == 1 and 0.5 < share < 1.5:
             self.time_due -= self.cycle_time
             read_once = self.read_once
@@ -74,25 +74,25 @@ class ArmReading:
             self.motion.advance(count)
         self.bad = self.readings.first_bad()
         if self.bad >= 0:
-            # A controller that used such a reading would command garbage.
+            # Controllers would compute nonsense from such a reading.
             self.arm.stop_motion()
         read_fingers = self.read_fingers
         if read_fingers is not None:
             read_fingers()
 
     def catch_up(self) -> int:
-        """Read the arm once for each cycle that is due; return how many there are.
+        """Read the arm once for each cycle that is due; return their number.
 
-        When the loop is slower than the arm, the arm gets the last command again in its
-        cycles within a nominal period, each time through filter and limits. The cycles
-        that a late loop has missed are lost packets: the arm extrapolates its motion,
-        and stops after 20 of them. Commanded poses are extrapolated by the sender, so
-        that short delays lose no packet.
+        If the loop is slower than the arm, the arm gets the last command again in each
+        of its cycles within a nominal period, through filter and limits. Cycles that a
+        late loop has missed are lost packets: the arm extrapolates its motion, and
+        stops after 20 of them. The sender extrapolates commanded poses, so short delays
+        lose no packet of theirs.
         """
         cycles = round(self.time_due / self.cycle_time)
         self.time_due -= cycles * self.cycle_time
-        # A longer gap is not made up for: the arm's cycles would hold the late loop up
-        # further.
+        # A longer gap is not made up for: reading the arm so often would delay the loop
+        # even more.
         late = min(cycles - self.nominal, self.most_lost)
         # libfranka extrapolates poses; a longer gap ends the motion on a real arm, too.
         bridged = self.sender.bridges_gaps and late < self.losses_that_end

@@ -1,4 +1,4 @@
-"""The services of one arm behind FrankaHW: setters, recovery, connection, faults."""
+"""The services of an arm behind FrankaHW: setters, recovery, connection, faults."""
 
 from collections.abc import Callable, Sequence
 
@@ -34,7 +34,7 @@ from station.hw.franka.arm.transform_check import check_transform
 from station.hw.franka.commands.motion_start import MotionStart
 from station.reports import ArmRecord
 
-# Rounding of a tensor that was turned into another frame.
+# Asymmetry that rounding may leave in a tensor turned into another frame.
 _SYMMETRY = 1e-9
 
 
@@ -50,7 +50,7 @@ class ArmServices(FrankaServices):
         motion: The motion that the running controllers command.
         model: The model of the arm.
         collision_behavior: The configured thresholds, set again at every connection.
-        limits: The largest load.
+        limits: The largest loads and pushes.
         internal_controller: Returns the configured controller of motions; None when
             none is configured.
     """
@@ -119,7 +119,7 @@ class ArmServices(FrankaServices):
         values = check_ranges(joint_stiffness, [JOINT_STIFFNESS] * 7, "joint_stiffness")
         self._check_use(ControllerMode.JOINT_IMPEDANCE)
         self._arm.set_joint_impedance(values)
-        # After the arm has accepted it: a refused one must not act.
+        # Noted only after the arm has accepted it: a refused one must have no effect.
         self._motion.impedance = ControllerMode.JOINT_IMPEDANCE
 
     @override
@@ -179,7 +179,7 @@ class ArmServices(FrankaServices):
         try:
             self._arm.check_recovery()
         except ArmCommandError as exc:
-            # The error of an arm lacks the name of the arm; a station may have several.
+            # The arm's message does not name it; a station may have several arms.
             message = exc.message.replace("The arm ", f"Arm '{self.name}' ", 1)
             raise ArmCommandError(message, remedy=exc.remedy) from exc
 
@@ -187,14 +187,14 @@ class ArmServices(FrankaServices):
     def error_recovery(self) -> bool:
         self.check_recovery()
         arm = self._arm
-        # Read before the recovery, which clears it.
+        # Read before the recovery, which clears the error.
         had_error = arm.state.robot_mode is RobotMode.REFLEX or arm.is_lost()
         arm.automatic_error_recovery()
         return had_error
 
     @override
     def connect(self) -> None:
-        # A connection that broke is made anew by the recovery of a real arm.
+        # The recovery of a real arm restores a broken connection.
         if self._is_connected and self._arm.is_lost():
             self._arm.automatic_error_recovery()
             return
@@ -203,13 +203,13 @@ class ArmServices(FrankaServices):
                 f"Arm '{self.name}' is connected already.", remedy="Use it."
             )
         self._is_connected = True
-        # As in franka_hw, the thresholds are the only settings that are sent again.
+        # As in franka_hw, only the thresholds are sent again.
         self._arm.set_collision_behavior(self._collision_behavior)
 
     @override
     def disconnect(self) -> None:
         self._check_connected()
-        # A controller would go on to command an arm that nobody hears.
+        # A controller would continue to command an arm that no longer listens.
         if self._motion.mode is not ControlMode.NONE:
             raise ArmCommandError(
                 f"Arm '{self.name}' cannot be disconnected: a controller commands "
@@ -219,7 +219,7 @@ class ArmServices(FrankaServices):
         self._is_connected = False
 
     def _check_use(self, needed: ControllerMode) -> None:
-        """Refuse an impedance that no motion would have.
+        """Refuse an impedance that no motion would use.
 
         Args:
             needed: The internal controller that would use it.

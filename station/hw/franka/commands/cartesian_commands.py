@@ -1,4 +1,4 @@
-"""The arm's Cartesian interfaces: command buffers, and handles on them."""
+"""The arm's Cartesian interfaces: command buffers and their handles."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ from station.hw.franka.commands.rate_limiter import PERIOD, with_margins
 from station.memory.doubles import Block, put
 from station.memory.vectors import FiniteCheck
 
-# libfranka's margin for the rotation of a pose.
+# libfranka's margin for the rotation of a pose, as a share of the limits.
 _ROTATION_SHARE = 0.99
 
 
@@ -26,15 +26,15 @@ class CartesianCommands:
 
     Args:
         arm: The arm.
-        arm_id: Prefix of its names.
-        limits: Its limits.
+        arm_id: Name of the arm.
+        limits: Limits of the arm.
         memory: The commands of the arm, with the parts `pose`, `twist`, `pose_elbow`
             and `twist_elbow`.
 
     Attributes:
         has_pose: Whether pose commands are taken.
         has_twist: Whether twist commands are taken.
-        sender: Filters, limits and sends them.
+        sender: Filters, limits and sends the commands.
     """
 
     def __init__(
@@ -85,20 +85,19 @@ class CartesianCommands:
         return [self._pose_interface, self._twist_interface]
 
     def begin_commands(self, mode: ControlMode) -> None:
-        """Take commands of the kinds in `mode` from now on, seeded with rest."""
+        """Take commands of the kinds in `mode` from now on, starting at rest."""
         self.has_pose = bool(mode & ControlMode.CARTESIAN_POSE)
         self.has_twist = bool(mode & ControlMode.CARTESIAN_VELOCITY)
-        # A motion begins at the pose that the arm desires now, or its first command
-        # would be a jump.
+        # Rest is the pose that the arm desires now; another pose would be a jump.
         if self.has_pose:
             self._arm.refresh_state()
             put(self._pose, self._arm.state.O_T_EE_d)
-        # Zeros: no motion, and an elbow that the arm chooses.
+        # Zeros mean no motion, and an elbow that the arm chooses.
         for rest in (self._twist, self._pose_elbow, self._twist_elbow):
             put(rest, [0.0] * len(rest))
 
     def checks(self) -> tuple[FiniteCheck, ...]:
-        """Return the checks for commands that are not finite, of the taken commands."""
+        """Return the checks of the taken commands for numbers that are not finite."""
         pose = (self._pose, self._pose_elbow) if self.has_pose else ()
         twist = (self._twist, self._twist_elbow) if self.has_twist else ()
         return tuple(map(FiniteCheck, (*pose, *twist)))

@@ -1,6 +1,6 @@
 """Filter, limit and send the poses or the twists of a controller.
 
-Poses are predicted for the arm cycles in which a slow or late loop commands none.
+Poses are predicted for the arm cycles in which a slow or late loop sends no command.
 
 Source: libfranka@0.9.2 src/lowpass_filter.cpp, cartesianLowpassFilter;
 src/rate_limiting.cpp, limitRate; src/control_loop.cpp, convertMotion.
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from station.core.geometry.guard import Guard
     from station.hw.franka.arm.robot_arm import RobotArm
 
-# A shorter vector has no direction.
+# Length below which a vector has no direction.
 _TINY = 1e-15
 # As C numbers, by the .pxd.
 _SLOWED = SLOWED
@@ -35,11 +35,11 @@ _KEPT = 3
 FASTEST_RETURN = 25.0
 """Fastest decay rate of the offset between commanded and predicted poses [1/s]; the
 offset decays as a critically damped system of third order."""
-# Accelerations of the decaying offset that the joints can follow: translation [m/s^2],
-# rotation [rad/s^2] and elbow [rad/s^2].
+# Accelerations that the joints can follow while the offset decays: translation
+# [m/s^2], rotation [rad/s^2] and elbow [rad/s^2].
 _SCALES = (1.0, 1.0, 1.0, 3.0, 3.0, 3.0, 2.0)
-# Peak acceleration of a decay at rate k: _FROM_OFFSET k^2 x for an initial offset x,
-# _FROM_RATE k v for an initial rate v. Maxima of the closed forms.
+# Factors of the peak acceleration of a decay at rate k: _FROM_OFFSET k^2 x for an
+# initial offset x, _FROM_RATE k v for an initial rate v. Maxima of the closed forms.
 _FROM_OFFSET, _FROM_RATE = 0.23, 0.80
 _NEGLIGIBLE = 1e-12
 
@@ -53,7 +53,7 @@ def limit_vector(
     share: float,
     period: float,
 ) -> None:
-    """Replace a velocity by the nearest one that all limits allow.
+    """Replace a velocity by the nearest velocity that all limits allow.
 
     Close to the velocity limit the acceleration is limited further, so that it can
     reach zero at the limit without exceeding the jerk limit.
@@ -61,8 +61,8 @@ def limit_vector(
     Args:
         vector: Holds the new velocity [m/s or rad/s] in three numbers.
         start: Index of the first of the three numbers in all vectors.
-        last_velocity: The last command.
-        last_acceleration: Its acceleration [m/s^2 or rad/s^2].
+        last_velocity: Velocity of the last command [m/s or rad/s].
+        last_acceleration: Acceleration of the last command [m/s^2 or rad/s^2].
         bounds: Largest norms of velocity, acceleration and jerk, each > 0.
         share: Share of the bounds that is allowed, > 0.
         period: Duration of a cycle, > 0 [s].
@@ -91,12 +91,12 @@ def limit_vector(
     if size > _TINY:
         x, y, z = x / size, y / size, z / size
         along = x * v0 + y * v1 + z * v2
-        # How far along this direction the speed limit is: the root of a quadratic.
+        # Distance to the speed limit along this direction: the root of a quadratic.
         room = along * along - (v0 * v0 + v1 * v1 + v2 * v2) + fastest * fastest
         safe = jerk / rate * (square_root(room if room > 0.0 else 0.0) - along)
         if rate < safe:
             safe = rate
-        # Too fast already, or NaN: no step in this direction.
+        # Already too fast, or NaN: no step in this direction.
         if not safe > 0.0:
             safe = 0.0
         step = (safe if safe < size else size) * period
@@ -110,7 +110,7 @@ def limit_vector(
 class PoseRates:
     """Filters and limits the poses or the twists that are sent to an arm.
 
-    Each command is compared with the last one, as the arm reports it.
+    Each command is compared with the last one that the arm reports.
 
     Args:
         state: The arm's state.
@@ -173,7 +173,7 @@ class PoseRates:
             displace(last, way, 1.0, sent)
         else:
             copy_into(sent, 0, pose, 16)
-        # In libfranka's order, filter first: the limits have the last word.
+        # Filter first, as in libfranka, so that the limits hold for what is sent.
         if self.is_limiting:
             twist_between(last, sent, self.period, way)
             self.limit(way, self.pose_share)
@@ -198,7 +198,7 @@ class PoseRates:
         """
         last, sent, limits = self.elbow, self.sent_elbow, self.elbow_limits
         low_pass(elbow[:1], last, 1.0 if passes else self.gain, sent, 1)
-        # The sign of joint 4 is a choice, nothing to filter.
+        # The sign of joint 4 is a choice and is not filtered.
         sent[1] = elbow[1]
         if self.is_limiting:
             velocity = limited(
@@ -233,7 +233,7 @@ class PoseRates:
         self.limit(self.sent_twist, 1.0)
 
     def limit(self, twist: Doubles, rotation_share: float) -> None:
-        """Replace a twist by the nearest one that all limits allow.
+        """Replace a twist by the nearest twist that all limits allow.
 
         Args:
             twist: The twist [m/s, rad/s], shape (6,).
@@ -245,7 +245,7 @@ class PoseRates:
 
 
 class _Command:
-    """A pose and an elbow, and the arm cycle in which they were commanded."""
+    """A pose and an elbow, with the arm cycle in which they were commanded."""
 
     def __init__(self, pose: Doubles, elbow: Sequence[float], cycle: int) -> None:
         self.pose = pose
@@ -253,15 +253,15 @@ class _Command:
         self.cycle = cycle
 
     def way_to(self, other: "_Command") -> list[float]:
-        """Return twist and elbow that lead to another command, shape (7,)."""
+        """Return the twist and the elbow that lead to another command, shape (7,)."""
         way = zeros(6)
         twist_between(self.pose, other.pose, 1.0, way)
-        # Elbows of different signs have no distance.
+        # Elbows with different signs have no distance.
         same = self.elbow[1] == other.elbow[1]
         return [*way, other.elbow[0] - self.elbow[0] if same else 0.0]
 
     def moved(self, way: Sequence[float], cycles: int) -> "_Command":
-        """Return the command of a later cycle, moved by a twist and an elbow."""
+        """Return this command, moved by a twist and an elbow, in a later cycle."""
         elbow, pose = self.elbow, zeros(_POSE)
         bent = [elbow[0] + way[6], elbow[1]] if elbow[1] else elbow
         displace(self.pose, doubles(way[:6]), 1.0, pose)
@@ -269,31 +269,31 @@ class _Command:
 
 
 class PoseBridge:
-    """Extrapolates poses between two commands, and returns to the commands smoothly.
+    """Extrapolates poses between two commands, and returns smoothly to the commands.
 
     The arm takes a pose in each of its own cycles. A pose that stands still for some
     cycles, or jumps by the distance of several cycles, exceeds the limits of the
     joints; the limits of the end effector, which the commands obey, allow much more.
 
-    The pose that is sent is the sum of a prediction of the commands and an offset. When
-    a command differs from its prediction in position, velocity or acceleration, the
-    prediction jumps to the command and the offset jumps back by as much, so that the
-    sum stays continuous; then the offset decays. With a loop as fast as the arm, poses
-    pass unchanged: each is noted, and nothing else is done. Control thread only.
+    The sent pose is the sum of a prediction of the commands and an offset. If a command
+    differs from its prediction in position, velocity or acceleration, the prediction
+    jumps to the command and the offset jumps by the opposite amount, so that the sum
+    stays continuous; then the offset decays. With a loop as fast as the arm, poses pass
+    unchanged and are only stored. Control thread only.
 
     Args:
         period: Duration of a cycle of the arm [s], > 0.
 
     Attributes:
         is_on_commands: Whether the sent poses equal the commanded ones.
-        pose: The pose to send otherwise, 16 numbers.
-        elbow: The elbow to send otherwise, shape (2,).
+        pose: The pose to send if they differ, 16 numbers.
+        elbow: The elbow to send if they differ, shape (2,).
     """
 
     def __init__(self, period: float) -> None:
         self.period = period
-        # The last three commands, and the cycles of the last, the one before it, and
-        # the one before that.
+        # The last three commands, and their cycles: that of the last one, of the one
+        # before, and of the one before that.
         self.poses = zeros(_KEPT * _POSE)
         self.elbows = zeros(_KEPT * _ELBOW)
         self.newest = 0
@@ -306,8 +306,8 @@ class PoseBridge:
 
     def rest_at(self, pose: Sequence[float], elbow: Sequence[float]) -> None:
         """Rest at a pose, 16 numbers, and an elbow, 2 numbers."""
-        # As if the pose had been commanded three times: velocity and acceleration of
-        # the prediction are then 0.
+        # As if the pose had been commanded three times, so that velocity and
+        # acceleration of the prediction are 0.
         for self.cycle in (-3, -2, -1):
             self.note_next(doubles(pose), doubles(elbow))
         # First and second difference of the prediction per cycle.
@@ -317,14 +317,14 @@ class PoseBridge:
         self.is_on_commands = True
 
     def is_expected(self) -> bool:
-        """Return whether a command now follows one of each of the last two cycles.
+        """Return whether the last two cycles had a command each, and no offset is left.
 
-        Such a command is to be noted and sent as it is.
+        The next command then is stored and sent unchanged.
         """
         return self.is_on_commands and self.cycle == self.before_cycle + 2
 
     def note_next(self, pose: Doubles, elbow: Doubles) -> None:
-        """Note the command of the next cycle: 16 numbers, and 2 of its elbow."""
+        """Store the command of the next cycle: a pose, 16 numbers, and an elbow, 2."""
         self.cycle += 1
         newest = self.newest + 1
         if newest == _KEPT:
@@ -336,12 +336,12 @@ class PoseBridge:
         self.last_cycle = self.cycle
 
     def repeats(self, pose: Doubles) -> bool:
-        """Return whether a pose equals the last noted one."""
+        """Return whether a pose equals the last stored pose."""
         start = _POSE * self.newest
         return not differ(self.poses[start : start + _POSE], pose, _POSE)
 
     def pass_on(self, pose: Doubles, elbow: Doubles) -> None:
-        """Note a command, and compute the pose to send for it.
+        """Store a command, and compute the pose to send for it.
 
         Args:
             pose: The commanded pose, 16 numbers.
@@ -372,7 +372,7 @@ class PoseBridge:
         self._send(self._expected(self.cycle))
 
     def _command(self, age: int) -> _Command:
-        """Return the last command, or the one that was noted `age` commands before."""
+        """Return the last command, or the one that is `age` commands older."""
         cycles = (self.last_cycle, self.earlier_cycle, self.before_cycle)
         place = (self.newest - age) % _KEPT
         pose = self.poses[_POSE * place : _POSE * place + _POSE]
@@ -380,7 +380,7 @@ class PoseBridge:
         return _Command(doubles(pose), list(elbow), cycles[age])
 
     def _expected(self, cycle: int) -> _Command:
-        """Advance the prediction to a cycle, the next one, and return it."""
+        """Advance the prediction to `cycle`, the next cycle, and return it."""
         cycles = cycle - self.last_cycle
         if cycles == 1 and any(self._bend):
             self._step = [v + a for v, a in zip(self._step, self._bend, strict=True)]
@@ -392,7 +392,7 @@ class PoseBridge:
         first = earlier.cycle - before.cycle
         second = last.cycle - earlier.cycle
         older, newer = before.way_to(earlier), earlier.way_to(last)
-        # The mean velocity of a longer step is the velocity in its middle.
+        # The mean velocity over a longer step is the velocity in its middle.
         self._bend = [
             2.0 * (v / second - u / first) / (first + second)
             for u, v in zip(older, newer, strict=True)
@@ -405,12 +405,12 @@ class PoseBridge:
     def _leap(
         self, way: Sequence[float], step: Sequence[float], bend: Sequence[float]
     ) -> None:
-        """Change the offset so that the pose that is sent stays continuous.
+        """Change the offset so that the sent pose stays continuous.
 
         Args:
-            way: From the new prediction to the old prediction, shape (7,).
-            step: Change of the old one per cycle, shape (7,).
-            bend: Second change of the old one per cycle, shape (7,).
+            way: Displacement from the new prediction to the old one, shape (7,).
+            step: Change of the old prediction per cycle, shape (7,).
+            bend: Second change of the old prediction per cycle, shape (7,).
         """
         for i in range(7):
             self._offset[i] += way[i]
@@ -442,11 +442,11 @@ class PoseBridge:
 def _rate_of_return(
     offset: Sequence[float], rate: Sequence[float], period: float
 ) -> float:
-    """Return the decay rate with which no acceleration exceeds its scale [1/s].
+    """Return the decay rate at which no acceleration exceeds its scale [1/s].
 
     Args:
-        offset: In m and rad, shape (7,).
-        rate: Its change per cycle of the arm, shape (7,).
+        offset: The offset [m, rad], shape (7,).
+        rate: Change of the offset per cycle of the arm [m, rad], shape (7,).
         period: Duration of the cycle [s].
     """
     x, v = (
@@ -464,12 +464,12 @@ class CartesianSender:
 
     Args:
         arm: The arm.
-        rates: Filters and limits them.
+        rates: Filters and limits the poses and twists.
         pose: The commanded pose, 16 numbers.
         twist: The commanded twist [m/s, rad/s], shape (6,).
-        pose_elbow: The elbow that goes with a pose: position of joint 3 [rad] and sign
-            of joint 4, or two zeros that leave it to the arm; shape (2,).
-        twist_elbow: The elbow that goes with a twist.
+        pose_elbow: The elbow of a pose: position of joint 3 [rad] and sign of joint 4,
+            or two zeros to let the arm choose; shape (2,).
+        twist_elbow: The elbow of a twist, likewise.
         filters_first: Whether the low-pass acts on the first pose of a motion, too.
 
     Attributes:
@@ -512,14 +512,14 @@ class CartesianSender:
         self.is_first = True
 
     def send_pose(self, is_new: bool) -> None:  # noqa: FBT001 - positional in C
-        """Send a pose, the commanded one or one that bridges a gap.
+        """Send a pose: the commanded pose, or one that bridges a gap.
 
         Args:
             is_new: Whether controllers have updated since the last call.
 
         Raises:
-            InvalidCommandError: The arm refuses the pose or the elbow, or cannot stop
-                clear of its scene.
+            InvalidCommandError: The arm refuses the pose or the elbow, or it can no
+                longer stop clear of its scene.
         """
         rates, bridge = self.rates, self.bridge
         pose, elbow, is_known = self.pose, self.pose_elbow, False
@@ -527,8 +527,8 @@ class CartesianSender:
         if not is_new:
             bridge.predict()
         elif bridge.is_expected():
-            # An arm that rests there would get the same pose again: the filter has come
-            # to its end as well.
+            # An arm at rest at this pose would get the same pose again, because the
+            # filter is at rest, too.
             is_known = (
                 not is_first
                 and self.receiver.rests_at_pose()
@@ -580,5 +580,5 @@ class CartesianSender:
 
 
 def has_elbow(elbow: Doubles) -> bool:
-    """Return whether an elbow, shape (2,), is commanded; zeros leave it to the arm."""
+    """Return whether an elbow, shape (2,), is commanded; zeros let the arm choose."""
     return elbow[0] != 0.0 or elbow[1] != 0.0

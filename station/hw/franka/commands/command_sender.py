@@ -40,10 +40,10 @@ class Fingers(Protocol):
 
     @property
     def hand(self) -> Hand:
-        """Return the services of their hand."""
+        """Return the services of the hand with these fingers."""
 
     def write(self) -> None:
-        """Pass their commands on."""
+        """Pass the commands of the fingers on."""
 
 
 class CommandSender:
@@ -56,13 +56,13 @@ class CommandSender:
         joints: Joint commands and their limits.
         cartesian: Cartesian commands.
         rates: Filter and rate limits of the joint commands.
-        curves: The velocities that positions allow; None where limits do not depend on
-            the position.
+        curves: The velocities that each position allows; None if limits do not depend
+            on the position.
 
     Attributes:
         is_active: Whether controllers give any command.
-        is_waiting: Whether the arm is coming to rest before it follows them.
-        refusal: Why a command was not sent and the motion ended; None if all were sent.
+        is_waiting: Whether the arm comes to rest before it follows the commands.
+        refusal: Why a command was not sent and the motion ended; None without a reason.
         guard: Keeps the arm clear of its scene; None without a scene.
     """
 
@@ -102,13 +102,13 @@ class CommandSender:
         self.write_fingers: Callable[[], None]
 
     def add_fingers(self, fingers: Fingers) -> None:
-        """Send the commands of the fingers of a simulated hand, too."""
+        """Also send the commands of the fingers of a simulated hand."""
         self.hand, self.claimed = fingers.hand, fingers.claimed
         self.write_fingers = fingers.write
 
     def is_interrupted(self) -> bool:
         """Return whether the arm has left the motion that controllers command."""
-        # The usual case, with one comparison.
+        # This is the usual case, decided by one comparison.
         if self.code[0] == _MOVE:
             return False
         return self.is_active and not self.is_waiting
@@ -116,17 +116,17 @@ class CommandSender:
     def mode_name(self) -> str:
         """Return the name of the arm's mode."""
         code = self.code[0]
-        # The name is looked up when the mode changes, not in every cycle.
+        # The name is looked up only when the mode changes.
         if code != self.last_code:
             self.last_code, self.last_name = code, self.mode_names[code]
         return self.last_name
 
     def begin_motion(self, mode: "ControlMode", settings: "CommandSettings") -> None:
-        """Take commands of the kinds in `mode` from now on, seeded with rest.
+        """Take commands of the kinds in `mode` from now on, starting at rest.
 
         Args:
             mode: Kinds of commands.
-            settings: How it is passed on.
+            settings: Settings of filter, limits and controller.
         """
         self.refusal = None
         joints, cartesian = self.joints, self.cartesian
@@ -152,32 +152,31 @@ class CommandSender:
         return self.has_pose
 
     def write(self, time: float, period: float) -> None:
-        """Send the controllers' commands: those of the arm while a motion runs.
+        """Send the controllers' commands; those of the arm only while a motion runs.
 
-        They are limited and filtered first. The motion ends when a command is not
-        finite.
+        They are limited and filtered first. The motion ends if a command is not finite.
 
         Args:
             time: Station time of the cycle [s].
             period: Time since the last cycle [s], >= 0.
         """
         hand, guard = self.hand, self.guard
-        # Most of the time there is nothing to do for the fingers.
+        # Usually there is nothing to do for the fingers.
         if hand is not None and (self.claimed or hand.is_moving):
             self.write_fingers()
         if self.code[0] != _MOVE:
             if guard is not None:
                 guard.look()
             return
-        # Before limits and filters, which may turn a NaN into a number.
+        # Checked before limits and filters, which may turn a NaN into a number.
         for check in self.checks:
             if check.first_bad() >= 0:
                 self.refuse("a command is not finite")
                 return
         if self.has_positions:
-            # Before limits cut the commands: the arm brakes towards what was asked for.
+            # Noted before limits change them: the arm brakes towards these goals.
             self.rates.note_goals()
-        # In a standstill no time has passed that a rate could be computed from.
+        # While time stands still, no rate can be computed.
         if period > 0.0:
             for limits in self.limits:
                 limits.enforce(period)
@@ -191,7 +190,7 @@ class CommandSender:
         same position twice would be a step in velocity, so nothing is sent and the arm
         extrapolates.
         """
-        # Without rate limits the same position twice would be a step in velocity.
+        # Otherwise the repeated position would be a step in velocity.
         if self.code[0] == _MOVE and (self.rates.is_limiting or self.has_pose):
             self.send_all(False)  # noqa: FBT003 - positional in C
 
@@ -214,7 +213,7 @@ class CommandSender:
                 self.cartesian_sender.send_pose(is_new)
             if self.has_twist:
                 self.cartesian_sender.send_twist()
-        # The control thread must not raise: the motion ends, and the reason is kept.
+        # The control thread must not raise: the motion ends, and the reason is stored.
         except InvalidCommandError as error:
             self.refuse(error.message.rstrip("."))
 
@@ -226,8 +225,8 @@ class CommandSender:
         rates.filter_positions()
         if self.guard is not None:
             self.guard.limit_positions(rates.result)
-        # The receiver takes the usual command without a call of Python; the method of
-        # the arm takes any other, or refuses it with a reason.
+        # The receiver takes the usual command without a Python call; the method of the
+        # arm takes any other command, or refuses it with a reason.
         if not self.receiver.receive(rates.result, _POSITIONS):
             self.arm.command_joint_positions(rates.result)
 

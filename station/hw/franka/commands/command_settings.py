@@ -11,16 +11,16 @@ _CARTESIAN = ControlMode.CARTESIAN_POSE | ControlMode.CARTESIAN_VELOCITY
 
 @dataclass(frozen=True, slots=True)
 class CommandSettings:
-    """Settings of the way from a controller to the arm; read before every switch.
+    """Settings of the path from a controller to the arm; read before every switch.
 
     Attributes:
         rate_limiting: Whether commands are kept within velocity, acceleration and jerk
             limits.
         cutoff_frequency: Cutoff frequency of the low-pass filter on commands [Hz], > 0;
             a frequency of 1000 Hz or more turns the filter off.
-        internal_controller: Controller of the arm that makes the torques of a motion
-            for which no controller of the station commands torques; None: the one
-            whose impedance was set last, in Cartesian motions, and else joint
+        internal_controller: Controller of the arm that computes the torques of a motion
+            for which no controller of the station commands torques. None: in Cartesian
+            motions the controller whose impedance was set last, in other motions joint
             impedance.
     """
 
@@ -47,8 +47,8 @@ class CommandSettings:
             return ControllerMode.EXTERNAL_CONTROLLER, generator
         chosen = self.internal_controller
         if chosen is None:
-            # An end effector gives way along the axes in which its stiffness was set;
-            # motions of joints go on to follow their positions.
+            # The stiffness set for the end effector acts in Cartesian motions; motions
+            # of joints keep following their positions.
             is_cartesian = mode & _CARTESIAN
             chosen = impedance if is_cartesian else ControllerMode.JOINT_IMPEDANCE
         return chosen, generator

@@ -34,8 +34,8 @@ from station.memory.doubles import Block, Doubles, put
 from station.memory.vectors import FiniteCheck
 
 _DOF = 7
-# All in one memory: the manager writes the commands of the robot anew in every cycle,
-# with one call for each piece of memory.
+# All commands are in one memory, because in every cycle the manager writes them with
+# one call for each memory.
 _SIZES = {
     "pose": 16,
     "twist": 6,
@@ -45,9 +45,9 @@ _SIZES = {
     "pose_elbow": 2,
     "twist_elbow": 2,
 }
-# Distance from the ends of its range at which a joint that is limited by rate stops
-# [rad]. The low-pass filter behind the limits lags, so a joint that stopped exactly at
-# the end would pass it, and the arm raises an error for any position beyond its range.
+# Distance from the ends of its range at which a rate-limited joint stops [rad]. The
+# low-pass filter behind the limits lags: a joint that stops exactly at the end would
+# pass it, and the arm raises an error for any position beyond its range.
 _RANGE_MARGIN = 2e-3
 _SOURCES = {
     "position": "urdf limit",
@@ -64,7 +64,7 @@ class JointCommands:
 
     Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp,
     FrankaHW::setupJointStateInterface, setupJointCommandInterface,
-    setupLimitInterface, enforceLimits, reset; differs: there is a choice of limits.
+    setupLimitInterface, enforceLimits, reset; differs: `limit_mode` chooses the limits.
 
     Args:
         state: The arm's state, whose lists the handles read.
@@ -72,10 +72,10 @@ class JointCommands:
         limit_mode: How commands are limited.
 
     Attributes:
-        memory: All commands of the arm, also those of its end effector.
-        positions: Commanded positions [rad], shape (7,); in place, as the next two.
-        velocities: Commanded velocities [rad/s], shape (7,).
-        efforts: Commanded torques without gravity [Nm], shape (7,).
+        memory: All commands of the arm, including those of its end effector.
+        positions: Commanded positions [rad], shape (7,), changed in place.
+        velocities: Commanded velocities [rad/s], shape (7,), changed in place.
+        efforts: Commanded torques without gravity [Nm], shape (7,), changed in place.
         has_positions: Whether position commands are taken.
         has_velocities: Whether velocity commands are taken.
         has_efforts: Whether torque commands are taken.
@@ -140,8 +140,8 @@ class JointCommands:
             rates: Acceleration and jerk limits of the joints, shape (7,).
 
         Returns:
-            The joints that have no `<limit>` or no `<safety_controller>`; nothing is
-            enforced for them.
+            The joints that have no `<limit>` or no `<safety_controller>`, and so no
+            enforced limits.
         """
         skipped = []
         for i, (joint, rate) in enumerate(zip(joints, rates, strict=True)):
@@ -182,7 +182,7 @@ class JointCommands:
         return skipped
 
     def clamps(self) -> list[ClampReport]:
-        """Return the commands that were cut off. Any thread."""
+        """Return which commands limits have changed. Any thread."""
         return report_clamps({
             (handle.name, interface.type_name): handle
             for interface, limits in (
@@ -196,13 +196,13 @@ class JointCommands:
     def begin_commands(self, mode: ControlMode) -> None:
         """Take commands of the kinds in `mode` from now on.
 
-        The buffers are seeded with commands that hold the arm; earlier ones are lost.
+        The buffers are set to commands that hold the arm; earlier commands are lost.
         """
         put(self.positions, self._state.q_d)
         put(self.velocities, [0.0] * _DOF)
         put(self.efforts, [0.0] * _DOF)
-        # The last command of an earlier motion would bound the first one of this
-        # motion.
+        # Otherwise the last command of an earlier motion would limit the first command
+        # of this one.
         self._position_limits.reset()
         self._velocity_limits.reset()
         self.has_positions = bool(mode & ControlMode.JOINT_POSITION)
@@ -210,13 +210,13 @@ class JointCommands:
         self.has_efforts = bool(mode & ControlMode.JOINT_TORQUE)
 
     def range(self) -> tuple[list[float], list[float]]:
-        """Return the lowest and the highest positions that are asked for [rad]."""
+        """Return the lowest and the highest positions that may be commanded [rad]."""
         return self._lower, self._upper
 
     def checks(self) -> tuple[FiniteCheck, ...]:
-        """Return the checks for commands that are not finite, of the taken commands.
+        """Return the checks of the taken commands for numbers that are not finite.
 
-        To be asked before limits and filters: these may turn a NaN into a number.
+        They are made before limits and filters, which may turn a NaN into a number.
         """
         return tuple(FiniteCheck(commands) for commands, _ in self._taken())
 

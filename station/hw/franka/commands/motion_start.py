@@ -1,11 +1,11 @@
 """Begin motions of the arm: joint motions at once, all others from rest.
 
 Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW::prepareSwitch, which
-waits for the end of the running motion; differs: a joint motion takes over from a
-moving arm at once, because its limits are those of the joints. The limits of a
-Cartesian motion do not bound the joints: a Cartesian motion that began while the joints
-move could exceed their limits. Torques of a client act only when the arm is at rest, so
-that the torque controller starts from the pose that the arm keeps, without braking
+waits for the end of the running motion; differs: a joint motion begins at once, also
+while the arm moves, because its limits are those of the joints. The limits of a
+Cartesian motion do not bound the joints, so the joints could exceed theirs if such a
+motion began while they move. Torques of a client act only when the arm is at rest, so
+that the torque controller starts from the pose that the arm holds, without braking
 torques.
 """
 
@@ -22,7 +22,7 @@ from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.command_settings import CommandSettings
 
 LONGEST_WAIT = 500
-"""Cycles of the arm after which a motion begins although the arm still trembles."""
+"""Number of arm cycles after which a motion begins although the arm still trembles."""
 _CARTESIAN = ControlMode.CARTESIAN_POSE | ControlMode.CARTESIAN_VELOCITY
 _FROM_REST = _CARTESIAN | ControlMode.JOINT_TORQUE
 
@@ -52,18 +52,18 @@ class MotionStart:
     def refusal(
         self, mode: ControlMode, settings: CommandSettings, kept: ControlMode
     ) -> str | None:
-        """Return the reason for refusing another mode now; None when it is possible.
+        """Return the reason why another mode is refused now; None if it is possible.
 
         Args:
             mode: The kinds of command after the change.
-            settings: How the commands would be passed on.
+            settings: Settings of filter, limits and controller.
             kept: The kinds of command that running controllers continue to give.
         """
         arm, motion = self._arm, kept & ~ControlMode.JOINT_TORQUE
         reason = arm.refusal(*settings.arm_modes(mode, self.impedance))
         state = arm.state
-        # A rule of the station, not of the arm, which has no error for it: the arm ends
-        # the motion that runs, and checks the first command of the next one alone.
+        # This is a rule of the station. The arm has no error for it: it ends the motion
+        # that runs, and checks only the first command of the next motion.
         moves = any(abs(dq) > REST_VELOCITY for dq in state.dq_d) or any(
             abs(dq) > MEASURED_REST for dq in state.dq
         )
@@ -81,12 +81,12 @@ class MotionStart:
 
         Args:
             mode: The kinds of command after the change.
-            settings: How the commands are passed on.
+            settings: Settings of filter, limits and controller.
             started: The kinds of command that newly started controllers give.
         """
         arm, sender = self._arm, self._sender
-        # A Cartesian controller that starts begins a motion of its own, in the same
-        # mode too: its first pose is compared with the present one.
+        # A Cartesian controller that starts begins a new motion even in the same mode,
+        # because its first pose is compared with the present one.
         if mode != self.mode or started & _CARTESIAN:
             arm.stop_motion()
         self.mode, self._settings = mode, settings
@@ -114,12 +114,12 @@ class MotionStart:
         is_ready = arm.is_at_rest() or not self.mode & _FROM_REST
         if (is_ready and not arm.is_stopping()) or self._waited > LONGEST_WAIT:
             sender.is_waiting = False
-            # Once more: the arm has come to rest elsewhere than where it was at the
-            # switch.
+            # Seeded again, because the arm has come to rest at another place than where
+            # it was at the switch.
             sender.begin_motion(self.mode, settings)
             try:
                 arm.start_motion(*modes)
             except ArmCommandError as error:
-                # An arm behind a network may refuse what seemed possible.
+                # An arm behind a network may refuse a motion that seemed possible.
                 self.has_failed = True
                 sender.refusal = error.message.rstrip(".")

@@ -1,6 +1,6 @@
 """Low-pass filter and rate limits of an arm's commands, as libfranka has them.
 
-The formulas stand in `core.numerics.command_rates`; here are their numbers. `PERIOD` is
+The formulas are in `core.numerics.command_rates`; their numbers are here. `PERIOD` is
 libfranka's fixed cycle of 1 ms.
 
 Source: libfranka@0.9.2 src/lowpass_filter.cpp, lowpassFilter; src/rate_limiting.cpp,
@@ -19,12 +19,12 @@ from station.hw.franka.commands.joint_commands import JointCommands
 PERIOD = 0.001
 """Cycle of the arm [s]."""
 MAX_CUTOFF_FREQUENCY = 1000.0
-"""Cutoff frequency from which on the low-pass filter is off [Hz]."""
+"""Cutoff frequency at and above which the low-pass filter is off [Hz]."""
 MARGIN = 1e-3
 """Margin subtracted from every limit, in the unit of the limit."""
 # A joint approaches its goal with half of the acceleration limit, and near the goal
-# with a velocity in proportion to the distance [1/s]. Where the two meet, the
-# deceleration is up to twice as large, which is why half of the limit is kept.
+# with a velocity in proportion to the distance [1/s]. Where both apply, the
+# deceleration is up to twice as large, so the other half of the limit is needed.
 _BRAKING_SHARE = 0.5
 _APPROACH_GAIN = 50.0
 
@@ -48,8 +48,8 @@ def with_margins(limits: MotionLimits, tolerated_losses: int) -> MotionLimits:
 
     Args:
         limits: The arm's own limits of a motion.
-        tolerated_losses: Lost packets, during which the arm goes on with constant
-            acceleration, for which the velocity leaves room.
+        tolerated_losses: Number of lost packets for which the velocity leaves room; the
+            arm continues with constant acceleration meanwhile.
     """
     acceleration = limits.acceleration - MARGIN
     reserve = tolerated_losses * PERIOD * acceleration
@@ -62,7 +62,8 @@ def low_pass_gain(cutoff_frequency: float) -> float:
     """Return the share of a new command in the low-pass, 0 to 1; 1 is off.
 
     Args:
-        cutoff_frequency: [Hz], > 0; `MAX_CUTOFF_FREQUENCY` and above is off.
+        cutoff_frequency: Cutoff frequency [Hz], > 0; `MAX_CUTOFF_FREQUENCY` and above
+            is off.
     """
     if cutoff_frequency >= MAX_CUTOFF_FREQUENCY:
         return 1.0
@@ -75,10 +76,10 @@ def make_joint_rates(
     """Return the filter and the rate limits of an arm's joint commands.
 
     Each new command is compared with the desired values that the arm reports, so the
-    filter starts smoothly from every earlier motion. Other than in libfranka's
+    filter starts smoothly from every earlier motion. Unlike in libfranka's
     convertMotion, a position command that breaks the limits, e.g. a step, is approached
-    with a velocity from which the arm can stop there, instead of with full speed;
-    commands within the limits pass unchanged, as there.
+    not at full speed, but at a velocity from which the arm can stop there. Commands
+    within the limits pass unchanged, as in libfranka.
 
     Args:
         limits: The arm's own limits.
@@ -110,9 +111,9 @@ def make_joint_rates(
 
 
 def make_velocity_curves(limits: ArmLimits) -> VelocityCurves | None:
-    """Return the velocities that positions allow, with libfranka's margin.
+    """Return the velocities that each position allows, with libfranka's margin.
 
-    None where limits do not depend on the position. Those that do have no reserve for
+    None if the limits do not depend on the position. Limits that do have no reserve for
     lost packets.
 
     Args:
@@ -121,7 +122,7 @@ def make_velocity_curves(limits: ArmLimits) -> VelocityCurves | None:
     Source:
         libfranka@0.15.0 include/franka/rate_limiting.h,
         computeUpperLimitsJointVelocity, computeLowerLimitsJointVelocity; differs: the
-        margin does not turn a range of 0 inside out.
+        margin does not make a range of 0 negative.
     """
     if not limits.curves:
         return None

@@ -1,9 +1,9 @@
 """The finger joints of a simulated hand, as controllers see them.
 
 Source: franka_ros@c11f000 franka_gazebo/src/franka_hw_sim.cpp, FrankaHWSim.initSim,
-writeSim; differs: the fingers take position commands besides efforts, unclaimed fingers
-hold their position instead of going limp, and the joint states contain the joints of
-the arm only, as on the real robot, where the hand is another device.
+writeSim; differs: the fingers also take position commands, unclaimed fingers hold their
+position instead of going limp, and the joint states contain only the joints of the arm,
+as with a real robot, whose hand is another device.
 """
 
 from collections.abc import Iterable, Sequence
@@ -27,7 +27,7 @@ _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
 
 
 class FingerJoints:
-    """Handles of the two fingers; passes their commands on to the motor.
+    """Handles of the two fingers; it passes their commands on to the motor.
 
     The fingers are coupled: they have one position, and an effort acts on both. A
     controller that claims a finger claims the hand, through one kind of interface.
@@ -82,8 +82,8 @@ class FingerJoints:
 
         Args:
             interfaces: The interfaces of the arm; other kinds do not change.
-            in_states: Whether the joint states have the fingers as franka_gripper
-                publishes them: half of the width, and no velocity and effort. Source:
+            in_states: Whether the joint states contain the fingers as franka_gripper
+                publishes them: half of the width, without velocity and effort. Source:
                 franka_ros@c11f000 franka_gripper_node.cpp.
         """
         none = zeros(len(self.names))
@@ -108,7 +108,7 @@ class FingerJoints:
         is_position = kind == PositionJointInterface.type_name
         commands = self._position_commands if is_position else self._effort_commands
         claimed = [commands[self.names.index(name)] for name in self.claimed]
-        # The fingers move as one, so a command to each of them counts half.
+        # The fingers move as one, so the position is the mean of their commands.
         mean = sum(claimed) / len(claimed)
         if not isfinite(mean):
             return
@@ -116,7 +116,7 @@ class FingerJoints:
             lower, upper = self._gripper.limits
             self._hold(min(max(mean, lower), upper))
         else:
-            # A finger without an owner adds no force.
+            # An unclaimed finger adds no force.
             limit, force = self._gripper.effort_limit, sum(claimed) / len(self.names)
             self._gripper.press(min(max(force, -limit), limit), is_damped=False)
 
@@ -154,7 +154,7 @@ class FingerJoints:
         for _, _, name in stopped:
             self.claimed.pop(name, None)
             self._owners.pop(name, None)
-        # A switch of other joints must not end what the hand does.
+        # A switch of other joints must not end the motion of the hand.
         if not stopped and not started:
             return
         size = len(self.names)
@@ -167,14 +167,14 @@ class FingerJoints:
         self.hand.give_to(next(iter(self._owners.values()), None))
 
     def begin_anew(self) -> None:
-        """Forget the commands: the world was reset."""
+        """Forget the commands, because the world was reset."""
         self.sensor.read()
         self.hand.begin_anew()
         put(self._position_commands, self._positions)
         put(self._effort_commands, [0.0] * len(self.names))
 
     def _hold(self, position: float) -> None:
-        """Let both fingers go to a position [m] at full speed, and stay there."""
+        """Move both fingers to a position [m] at full speed, and hold it."""
         self._gripper.hold(2.0 * position, speed=FASTEST, force=None)
 
 

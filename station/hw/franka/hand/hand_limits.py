@@ -9,7 +9,7 @@ OPEN_WIDTH = 0.08
 """Distance between the fingers when the hand is open [m]. Source: the limits of the
 finger joints in panda.urdf, 0.04 m each."""
 FASTEST = 0.4
-"""Largest speed of the width [m/s]: twice that of a finger in panda.urdf."""
+"""Largest speed of the width [m/s]: twice the speed of a finger in panda.urdf."""
 WEAKEST = 0.1
 """Smallest force of a grasp [N]; below it the fingers hardly move."""
 MAX_FORCE = 140.0
@@ -17,12 +17,12 @@ MAX_FORCE = 140.0
 
 
 def check_move(arm_id: str, width: float, speed: float, open_width: float) -> None:
-    """Refuse a move that no hand can make.
+    """Refuse a move that the hand cannot make.
 
     Args:
         arm_id: The arm with the hand.
         width: Distance between the fingers [m].
-        speed: How fast the width changes [m/s].
+        speed: Speed at which the width changes [m/s].
         open_width: The largest width [m].
 
     Raises:
@@ -33,7 +33,7 @@ def check_move(arm_id: str, width: float, speed: float, open_width: float) -> No
 
 
 def check_grasp(arm_id: str, request: GraspRequest, open_width: float) -> None:
-    """Refuse a grasp that no hand can make.
+    """Refuse a grasp that the hand cannot make.
 
     Args:
         arm_id: The arm with the hand.

@@ -29,10 +29,11 @@ MOVE_FORCE = 70.0
 """Largest force of a finger during a move [N]. Source: continuous force in the
 datasheet of the Franka Hand."""
 HOMING_SPEED = 0.02
-# A servo comes to the closed end by rounding alone, 1e-13 m; pressed, to 0. Counted as
-# a width it would be inside of an epsilon that begins at 0, and nothing was grasped.
+# Width below which the fingers count as closed [m]. A servo reaches the closed end with
+# a rounding error of 1e-13 m, and pressed fingers reach 0. Otherwise this width could
+# lie within an epsilon that begins at 0, although no object was grasped.
 _CLOSED = 1e-6
-# Share of the commanded speed: a slow motion may be below `REST_SPEED` all the way.
+# Share of the commanded speed: a slow motion may be below `REST_SPEED` all the time.
 _SLOWEST_PART = 0.25
 _RESTING = (GripperActivity.IDLE, GripperActivity.HOLDING)
 
@@ -47,13 +48,13 @@ class GripperMotor(Protocol):
         """Return the velocity of each finger [m/s]."""
 
     def read_time(self) -> float:
-        """Return the time of the motor [s]; never goes back."""
+        """Return the time of the motor [s]; never decreases."""
 
     def hold(self, width: float, *, speed: float, force: float | None) -> None:
-        """Go to a width and stay there."""
+        """Go to a width and hold it."""
 
     def press(self, force: float, *, is_damped: bool) -> None:
-        """Let the motor give a force."""
+        """Make the motor give a force."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +62,7 @@ class GripperOutcome:
     """The outcome of a motion.
 
     Attributes:
-        message: Why the motion did not reach its aim; None if it did.
+        message: Why the motion missed its aim; None if it did not.
     """
 
     message: str | None = None
@@ -82,9 +83,8 @@ class GripperMotion:
           this force from either side; upstream gives each finger half of the force.
         - Fingers are at rest when they have been slow for a time, not for a number of
           samples; the threshold is lower in a slow motion.
-        - A grasp of an object that is between the fingers already does not open them,
-          and a grasp that opens the fingers ends in the same way as one that closes
-          them.
+        - A grasp does not open the fingers if the object is between them already, and a
+          grasp that opens the fingers ends in the same way as one that closes them.
         - A stop brakes the fingers, ends their force, and then holds their width.
         - Homing ends at the first end of the range that the fingers do not reach.
 
@@ -94,7 +94,7 @@ class GripperMotion:
 
     Attributes:
         activity: The present activity of the fingers.
-        max_width: As given; after a homing, the width that the homing has measured.
+        max_width: As given; after a homing, the width that the homing measured.
     """
 
     def __init__(self, motor: GripperMotor, max_width: float) -> None:
@@ -110,7 +110,7 @@ class GripperMotion:
         self._grasp = GraspRequest(0.0, 0.0)
 
     def width(self) -> float:
-        """Return the distance between the fingers [m]; 0 where they touch."""
+        """Return the distance between the fingers [m]; 0 if they touch."""
         width = 2.0 * self._motor.read_position()
         return width if width > _CLOSED else 0.0
 
@@ -120,7 +120,7 @@ class GripperMotion:
         return is_holding and self._grasp.accepts(self.width())
 
     def home(self) -> None:
-        """Begin to close and then to open all the way."""
+        """Begin to close and then open all the way."""
         self._go(GripperActivity.HOMING, 0.0, HOMING_SPEED, MOVE_FORCE)
 
     def move(self, width: float, speed: float) -> None:
@@ -154,14 +154,14 @@ class GripperMotion:
         self._settles = False
 
     def is_over(self) -> bool:
-        """Return whether nothing is left to do for `advance`."""
+        """Return whether `advance` has nothing left to do."""
         return self.activity in _RESTING and not self._settles
 
     def advance(self) -> GripperOutcome | None:
         """Continue the motion from the present state of the fingers; once per cycle.
 
         Returns:
-            How the motion ended, in the cycle in which the motion ends; else None.
+            How the motion ended, if it ends in this cycle; else None.
         """
         match self.activity:
             case GripperActivity.MOVING:
@@ -221,7 +221,7 @@ class GripperMotion:
         self._settles = False
         self._target = width
         self._slow = min(REST_SPEED, _SLOWEST_PART * speed)
-        # Fingers that have not begun to move are slow as well: the time runs from now.
+        # Fingers that have not begun to move are slow, too: the time counts from now.
         self._still_since = self._motor.read_time()
         self._hold(width, speed, force)
 
@@ -247,7 +247,7 @@ class FingerSensor(Protocol):
 
 
 class HandMotor(GripperMotor, Protocol):
-    """A motor that reports its range and its force.
+    """A motor that also reports its range and its force.
 
     Attributes:
         effort_limit: Largest force that a controller may give each finger [N].
@@ -277,7 +277,7 @@ class HandServices(GripperServices):
 
     Attributes:
         owner: The controller that claims the fingers; None without such a controller.
-        is_moving: Whether `advance` may have something to do.
+        is_moving: Whether `advance` may have work to do.
     """
 
     def __init__(self, arm_id: str, motor: HandMotor) -> None:
@@ -330,7 +330,7 @@ class HandServices(GripperServices):
     @override
     def stop(self) -> None:
         self._end(GoalStatus.PREEMPTED, "The gripper was told to stop.")
-        # A controller that owns the fingers goes on to command them.
+        # A controller that owns the fingers continues to command them.
         if self.owner is None:
             self._rest()
 
@@ -352,7 +352,7 @@ class HandServices(GripperServices):
         self.owner = owner
 
     def begin_anew(self) -> None:
-        """End the present command: the world was reset."""
+        """End the present command, because the world was reset."""
         self._end(GoalStatus.PREEMPTED, "A reset put the hand back to its start.")
         self._motion.give_up()
 
