@@ -1,11 +1,11 @@
 """The accelerometers of an arm: two on the board of each joint but the last.
 
-libfranka reports them from 0.18 on and says no more than that. Where the boards are is
-taken from the frames `linkN_accelerometer_top` and `linkN_accelerometer_bottom` of the
-URDF that libfranka tests with; the first board, of joint 1, stands in the base. A
-reading is the acceleration of the frame's origin less that of gravity, in the axes of
-the frame, as a sensor with a mass on springs has it: at rest 9.81 m/s^2 upwards. The
-sign that a real arm reports is not published.
+libfranka reports them from version 0.18 on, without further information. The places of
+the boards are those of the frames `linkN_accelerometer_top` and
+`linkN_accelerometer_bottom` in the URDF of libfranka's tests; the first board, of joint
+1, is in the base. A reading is the acceleration of the frame's origin minus that of
+gravity, in the axes of the frame, as a mass on springs measures it: at rest 9.81 m/s^2
+upwards. The sign that a real arm reports is not published.
 
 Source: libfranka@0.20.4 test/fr3.urdf; include/franka/robot_state.h,
 RobotState.accelerometer_top, accelerometer_bottom.
@@ -26,7 +26,7 @@ from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.simulated.end_effector import as_transform
 from station.memory.doubles import Doubles, doubles, own, zeros
 
-# Place [m] in the frames of the links 0 to 5, and the turn about x from there [rad].
+# Place [m] in the frames of the links 0 to 5, and the rotation about x [rad].
 _TOP: tuple[tuple[Vector3, float], ...] = (
     ((0.0, 0.0, 0.05), pi),
     ((0.0, -0.1, 0.0), pi / 2),
@@ -46,15 +46,15 @@ _BOTTOM: tuple[tuple[Vector3, float], ...] = (
 
 
 class Accelerometers:
-    """Computes the readings of an arm's accelerometers when they are asked for.
+    """Computes the readings of an arm's accelerometers on request.
 
     The accelerations of the joints are differences of velocities since the last
-    reading. So the first reading is one of joints that do not accelerate, and who reads
-    every cycle gets the accelerations of that cycle. Control thread only.
+    reading. So the first reading assumes joints that do not accelerate, and a reader of
+    every cycle gets the accelerations of each cycle. Control thread only.
 
     Args:
         state: The arm's state.
-        memory: True positions and velocities of its joints.
+        memory: True positions and velocities of the arm's joints.
     """
 
     def __init__(self, state: RobotState, memory: JointMemory) -> None:
@@ -72,7 +72,7 @@ class Accelerometers:
         self.seen = 0.0
 
     def read(self) -> tuple[Doubles, Doubles]:
-        """Return the readings on top and bottom of the boards [m/s^2], each 6 x 3.
+        """Return the top and bottom readings of the boards [m/s^2], each 6 x 3.
 
         The memory is the same at every call.
         """
@@ -96,7 +96,7 @@ class Accelerometers:
         return self.readings
 
     def forget(self) -> None:
-        """Begin anew: the arm has been put elsewhere."""
+        """Begin anew, because the arm was set to another pose."""
         self.has_read = False
 
 

@@ -19,8 +19,8 @@ from station.memory.doubles import Doubles, doubles, viewed
 class ArmModel(FrankaModel):
     """The model of one arm, built from the URDF of the arm. Control thread only.
 
-    Each answer is computed once for the same question: what several controllers ask of
-    the model in one cycle costs as much as one of them.
+    An answer is computed once for equal arguments, so that several controllers that ask
+    in one cycle cost as much as one.
 
     Args:
         description: The URDF of a Franka arm.
@@ -67,7 +67,7 @@ class ArmModel(FrankaModel):
         F_x_Ctotal: Sequence[float],
         gravity_earth: Sequence[float] = GRAVITY_EARTH,
     ) -> list[float]:
-        # Inertia has no weight: with the inertia known last nothing else changes.
+        # The inertia has no weight, so the one of the last load is used.
         load = self._load_of(self._inertia, m_total, F_x_Ctotal)
         return self._dynamics.gravity(q, load, gravity_earth)
 
@@ -140,9 +140,9 @@ class ArmModel(FrankaModel):
     def _load_of(
         self, inertia: Sequence[float], mass: float, center: Sequence[float]
     ) -> Load:
-        """Return the load; the same object as long as its numbers are the same."""
-        # Views of doubles are compared without making Python's floats; anything else
-        # never equals one, and is compared as a load.
+        """Return the load; the same object as long as the numbers are the same."""
+        # Two views of doubles are compared without making Python's floats. Other
+        # sequences never equal a view, and are compared as a load.
         if (
             mass != self._load.mass
             or center != self._center

@@ -11,21 +11,21 @@
     any         -- brakes closed        -> Other; opened: Idle, with an error Reflex
     any         -- simulation diverged  -> Other; reset: Idle
 
-A recovery ends when the arm itself is at rest, not only its desired motion: a hand that
-bounces off a table would go on moving in Idle, and torques of a client that began a
-motion then would not act before the arm has settled. An arm that trembles in a contact
-never rests; its recovery ends after `LONGEST_SETTLING`. Before that, joints beyond
-their limits are brought back into their range, because clients check the start of a
-motion.
+A recovery ends only when the arm itself is at rest, not just its desired motion:
+otherwise a hand that bounces off a table would still move in Idle, and torques of a
+client that began a motion then would not act before the arm has settled. An arm that
+trembles in a contact never rests; its recovery ends after `LONGEST_SETTLING`. Before
+that, joints beyond their limits are brought back into their range, because clients
+check the start of a motion.
 
 An arm that still touches something when it recovers goes to Idle and holds its pose.
-The contact becomes an error again when the contact ends and another one begins, or when
-its force grows by the threshold. Any other value that is still out of its range becomes
-an error again when the value moves further out.
+The contact becomes an error again if it ends and another contact begins, or if its
+force grows by the threshold. Any other value that is still out of its range becomes an
+error again if it moves further out.
 
 Source: libfranka@0.9.2 include/franka/robot_state.h, RobotMode; Franka Control
-Interface documentation; differs: the transitions are not published as such. A real arm
-is guided back from a limit by hand; the simulated arm comes back in its recovery.
+Interface documentation; differs: the transitions are not published in this form. People
+guide a real arm back from a limit by hand; the simulated arm returns in its recovery.
 """
 
 from collections.abc import Sequence
@@ -89,13 +89,13 @@ _CODES = {
     MotionGeneratorMode.CARTESIAN_VELOCITY: CARTESIAN,
 }
 _INSIDE = 0.005
-"""How far inside of its limit a recovery brings a joint that is beyond it [rad]."""
+"""Distance inside its limit to which a recovery brings a joint [rad]."""
 _RETURN_VELOCITY = 0.1
-"""How fast at most [rad/s]."""
+"""Largest speed of this return [rad/s]."""
 _RETURN_TIME = 0.05
-"""Time constant with which the joint comes to rest there [s]."""
+"""Time constant with which the joint comes to rest [s]."""
 _RETURNED = 1e-4
-"""Distance at which it has come back [rad]."""
+"""Distance from its goal at which the joint counts as returned [rad]."""
 INTERNAL_CONTROLLERS = (
     ControllerMode.JOINT_IMPEDANCE,
     ControllerMode.CARTESIAN_IMPEDANCE,
@@ -104,14 +104,14 @@ INTERNAL_CONTROLLERS = (
 
 
 class ArmModes(ArmSimulation):
-    """Keeps the mode of one arm, and has the buttons, pushes and faults that change it.
+    """Keeps the mode of one arm; has the buttons, pushes and faults that change it.
 
     Control thread only.
 
     Args:
         world: The world of the arm.
-        parts: The parts of the arm; `robot_mode` and the success rate of its state are
-            written.
+        parts: The parts of the arm; this class writes `robot_mode` and the success rate
+            of the state.
         service_limits: The largest pushes.
 
     Attributes:
@@ -137,12 +137,12 @@ class ArmModes(ArmSimulation):
         self.controller: ControllerMode | None = None
         self.generator = MotionGeneratorMode.NONE
         self._settling = 0
-        # Where each joint that was beyond a limit is to go; None until the arm has come
-        # to rest in a recovery.
+        # Goal of each joint that was beyond a limit; None until the arm has come to
+        # rest in a recovery.
         self._returns: dict[int, float] | None = None
 
     def remedy(self) -> str | None:
-        """Return the step needed before the arm can move; None when it can move."""
+        """Return the step needed before the arm can move; None if it can move."""
         if self._world.diverged_because:
             return "reset the simulation"
         return _REMEDIES.get(self._state.robot_mode)
@@ -152,7 +152,7 @@ class ArmModes(ArmSimulation):
     ) -> str | None:
         """Return the reason why an arm at rest cannot start a motion now.
 
-        None when the motion could start; see `RobotArm.refusal`.
+        None if the motion could start; see `RobotArm.refusal`.
         """
         refused = self._refusal_of_mode(controller, generator)
         return self._singular_start(generator) if refused is None else refused
@@ -211,14 +211,14 @@ class ArmModes(ArmSimulation):
         self._step.begin_motion(_CODES[self.generator])
 
     def is_at_rest(self) -> bool:
-        """Return whether neither the arm nor its desired motion moves."""
+        """Return whether the arm and its desired motion both stand still."""
         return self._motion.is_at_rest() and self.is_still()
 
     def end_motion(self, mode: RobotMode) -> None:
         """Go to a mode without a motion, and hold the pose.
 
         Args:
-            mode: The mode.
+            mode: The mode to go to.
         """
         state = self._state
         was_moving = state.robot_mode is RobotMode.MOVE
@@ -253,7 +253,7 @@ class ArmModes(ArmSimulation):
         self.end_motion(RobotMode.REFLEX)
 
     def react_to_observer(self, found: int) -> None:
-        """Serve the requests of the observer, e.g. the loss of a command.
+        """Carry out the requests of the observer, e.g. the loss of a command.
 
         Args:
             found: Result of `FrictionAndObserver.sense`.
@@ -264,13 +264,13 @@ class ArmModes(ArmSimulation):
             self._step.has_faults = True
 
     def supervise(self, found: int) -> None:
-        """Bring the contacts up to date, and find errors in the readings.
+        """Update the contacts, and find errors in the readings.
 
         Args:
             found: Result of `ArmStep.read_joints`.
         """
         has_diverged = self._world.diverged_because is not None
-        # First of all: the readings of a diverged world mean nothing.
+        # Checked first, because the readings of a diverged world mean nothing.
         if has_diverged and self._state.robot_mode is not RobotMode.OTHER:
             self.end_motion(RobotMode.OTHER)
         errors = self._contact.update()
@@ -285,7 +285,7 @@ class ArmModes(ArmSimulation):
                 self.raise_errors(errors)
 
     def check_recovery(self) -> None:
-        """Refuse when the arm cannot recover itself now.
+        """Refuse if the arm cannot recover itself now.
 
         Raises:
             ArmCommandError: The world has diverged, the brakes are closed, or the user
@@ -320,7 +320,7 @@ class ArmModes(ArmSimulation):
         """Go from AutomaticErrorRecovery to Idle if the arm is at rest in its range."""
         if not self._motion.is_at_rest():
             return
-        # Found once the arm rests: while it brakes, a joint may still pass its limit.
+        # Found only at rest, because a braking joint may still pass its limit.
         if self._returns is None:
             self._returns = self._find_returns()
         if self._returns:
@@ -336,7 +336,7 @@ class ArmModes(ArmSimulation):
         self.finish_recovery()
 
     def _advance_return(self) -> bool:
-        """Move joints back that were beyond their limits; return whether any moves."""
+        """Move joints beyond their limits back; return False if none moves."""
         if not self._returns:
             return False
         memory, period = self._memory, self._world.timestep
@@ -354,7 +354,7 @@ class ArmModes(ArmSimulation):
         return True
 
     def _find_returns(self) -> dict[int, float]:
-        """Return the distance back of each joint beyond a limit [rad]."""
+        """Return the goal of each joint beyond a limit, inside its range [rad]."""
         found: dict[int, float] = {}
         memory, limits = self._memory, self._limits
         ranges = zip(limits.lower, limits.upper, strict=True)
@@ -367,14 +367,15 @@ class ArmModes(ArmSimulation):
         return found
 
     def is_still(self) -> bool:
-        """Return whether no joint moves, without regard to the desired motion."""
+        """Return whether no joint moves; the desired motion does not matter."""
         return max(map(abs, self._state.dtheta)) < REST_VELOCITY
 
     @override
     def set_user_stop(self, *, pressed: bool) -> None:
         """Press or release the user stop; releasing it clears the errors."""
         mode = self._state.robot_mode
-        # A diverged arm stays in Other: releasing the stop would make it Idle.
+        # A diverged arm stays in Other: otherwise releasing the stop would make it
+        # Idle.
         if pressed and mode not in (RobotMode.OTHER, RobotMode.USER_STOPPED):
             self.end_motion(RobotMode.USER_STOPPED)
         elif not pressed and mode is RobotMode.USER_STOPPED:
@@ -402,7 +403,7 @@ class ArmModes(ArmSimulation):
 
     @override
     def set_brakes(self, *, closed: bool) -> None:
-        """Close or open the brakes; the arm holds its pose without them, too."""
+        """Close or open the brakes; the arm also holds its pose without them."""
         mode = self._state.robot_mode
         if closed and mode is not RobotMode.OTHER:
             self.end_motion(RobotMode.OTHER)

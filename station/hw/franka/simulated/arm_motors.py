@@ -1,14 +1,14 @@
 """The motors and internal controllers of an arm in a MuJoCo world.
 
-Torques are those of the client, or of an internal impedance:
+The torques are those of the client, or of an internal impedance:
 
     joint:      tau = K (q_d - q) + D (dq_d - dq) + M_ii ddq_d + coriolis(q, dq)
                 D = 2 zeta sqrt(K M_ii)
     Cartesian:  tau = J^T (K_x e + D_x de) + coriolis(q, dq) + null space
                 D_x = 2 zeta sqrt(K_x)
 
-with M_ii the inertia at each joint; D uses the M_ii of the time when the impedance
-starts to act. The terms of the joint impedance in q and dq are part of the motor model,
+with M_ii the inertia at each joint; D uses the M_ii at the moment when the impedance
+begins to act. The terms of the joint impedance in q and dq are part of the motor model,
 where the integrator treats D implicitly. The world compensates gravity, and the motors
 carry the weight of a configured load. Motors saturate at the effort limits.
 """
@@ -36,7 +36,7 @@ DEFAULT_CARTESIAN_IMPEDANCE = (3000.0, 3000.0, 3000.0, 300.0, 300.0, 300.0)
 _NULL_SPACE_STIFFNESS = 20.0
 # Damping ratio zeta of the internal controllers.
 _DAMPING_RATIO = 1.0
-# Keeps J^T J invertible at a singular pose. Where its singular values are above 0.1 it
+# Keeps J^T J invertible at a singular pose. If its singular values are above 0.1 this
 # changes less than 1 %.
 _DAMPING_OF_INVERSE = 1e-4
 _ZEROS = [0.0] * 7
@@ -114,7 +114,7 @@ class ArmMotors:
         self._motors.apply_torques()
 
     def differentiate(self) -> None:
-        """Write `dtau_J` of the state; not in every cycle, for few read it."""
+        """Write `dtau_J` of the state; not in every cycle, because few read it."""
         self._motors.differentiate()
 
     def _engage(self, stiffness: Sequence[float], damping: Sequence[float]) -> None:
@@ -122,7 +122,7 @@ class ArmMotors:
         self._joints.set_servo(list(stiffness), list(damping))
 
     def apply_cartesian_impedance(self) -> None:
-        """Set the motors' controls as the Cartesian impedance asks for."""
+        """Set the motors' controls according to the Cartesian impedance."""
         state = self._state
         q, dq = [*self._memory.positions], state.dtheta
         frames = (state.F_T_EE, state.EE_T_K)
@@ -138,7 +138,7 @@ class ArmMotors:
         axes = np.reshape((*pose[0:3], *pose[4:7], *pose[8:11]), (3, 3))  # rows: K axes
         stiffness = np.array(self.cartesian_stiffness)
         damping = 2.0 * _DAMPING_RATIO * np.sqrt(stiffness)
-        # The stiffnesses are those along the axes of K: turn there, and back.
+        # The stiffnesses are along the axes of K: rotate into them and back.
         wrench = np.empty(6)
         for part in (slice(0, 3), slice(3, 6)):
             local = stiffness[part] * (axes @ error[part])
@@ -147,9 +147,9 @@ class ArmMotors:
         gram = jacobian.T @ jacobian + _DAMPING_OF_INVERSE * np.eye(6)
         stray = _NULL_SPACE_STIFFNESS * (np.array(state.q_d) - q)
         stray += 2.0 * sqrt(_NULL_SPACE_STIFFNESS) * (np.array(state.dq_d) - dq)
-        # Without the part that would move the end effector.
+        # Remove the part that would move the end effector.
         stray -= jacobian @ np.linalg.solve(gram, jacobian.T @ stray)
         bias = np.array(self._joints.read_bias_forces())
-        # The world compensates gravity itself; Coriolis torques are left.
+        # The world compensates gravity, so only Coriolis torques remain.
         bias -= self._joints.read_compensation()
         self.apply_torques((jacobian @ wrench + stray + bias).tolist())

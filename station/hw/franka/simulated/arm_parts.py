@@ -30,14 +30,14 @@ from station.hw.mujoco.world import World
 
 
 class ArmFrames:
-    """Keeps the derived fields of a state. Control thread only.
+    """Computes the derived fields of a state. Control thread only.
 
     Args:
         state: The arm's state.
 
     Attributes:
-        is_cartesian: Whether a Cartesian motion runs. The commanded pose, twist and
-            elbow are then the client's; otherwise they follow the joint motion.
+        is_cartesian: Whether a Cartesian motion runs. If so, commanded pose, twist and
+            elbow are the client's; otherwise they follow the joint motion.
     """
 
     def __init__(self, state: RobotState) -> None:
@@ -88,14 +88,13 @@ class ArmFrames:
         state.I_total = total.inertia
 
     def invalidate(self) -> None:
-        """Let the next `refresh` compute, even if no time has passed."""
+        """Make the next `refresh` compute, even if no time has passed."""
         self._refreshed_at = -1.0
 
     def refresh(self) -> bool:
-        """Update the derived fields; return False when they were up to date."""
+        """Update the derived fields; return False if they were up to date."""
         state = self._state
-        # Few cycles have a reader of poses: they are computed for the first one that
-        # asks.
+        # Poses are computed on the first request in a cycle: few cycles have a reader.
         if self._refreshed_at == state.time:
             return False
         self._refreshed_at = state.time
@@ -133,7 +132,7 @@ class ArmParts:
         joint_names: The arm's 7 joints in that world, from base to flange.
         limits: Limits of this kind of arm.
         thresholds: Thresholds that Franka does not publish.
-        hand: Body that a simulated collision hits.
+        hand: Name of the body that a simulated collision hits.
         gravity: Acceleration of gravity in the base frame [m/s^2], shape (3,).
         realism: Disturbances of the arm; None for an ideal arm.
 

@@ -1,6 +1,6 @@
 """The cycle of a simulated arm: its commands, and its state after a step of its world.
 
-Source: Franka Control Interface documentation, what happens with lost packets.
+Source: Franka Control Interface documentation, on lost packets.
 """
 
 from collections import deque
@@ -38,12 +38,12 @@ if TYPE_CHECKING:
     from station.hw.franka.simulated.sensor_faults import SensorFaults
 
 LONGEST_SETTLING = 500
-"""Cycles of the arm after which it counts as settled although it still trembles."""
+"""Number of arm cycles after which the arm counts as settled although it trembles."""
 CONTACT = 1
 """Result of `read_joints`: a contact or a mechanical stop acts on a joint."""
 VIOLATION = 2
 """Result of `read_joints`: a reading violates a limit."""
-# Cycles of which the success rate tells the share that brought a command.
+# Number of cycles over which the success rate is the share with a command.
 # Source: libfranka@0.9.2 robot_state.h, control_command_success_rate.
 _WINDOW = 100
 # Joint damping while a person guides the arm [Nm s/rad].
@@ -65,7 +65,7 @@ _ASKS = WEAK | LOST
 
 # As many as libfranka keeps by default.
 CYCLES_KEPT = 50
-"""Number of cycles kept."""
+"""Number of cycles in the log."""
 LONGEST_COMMAND = 16
 """Largest number of values in a command."""
 
@@ -81,7 +81,7 @@ class CycleLog:
         count: Number of cycles noted since the last `clear`.
         command: Memory that begins with the last command, of at most `LONGEST_COMMAND`
             doubles.
-        command_size: Number of values in it.
+        command_size: Number of values in the last command.
     """
 
     def __init__(self, states: Doubles, size: int) -> None:
@@ -101,7 +101,7 @@ class CycleLog:
         self.count = 0
 
     def note(self, time: float) -> None:
-        """Keep this cycle.
+        """Add this cycle.
 
         Args:
             time: Time of the arm [s].
@@ -134,11 +134,11 @@ class CycleLog:
 class PacketLosses:
     """Counts the cycles of a motion in which no command arrived.
 
-    Nothing has to be counted until a first command is lost, nor when the last loss is
-    `_WINDOW` cycles ago: the share of commands that arrived is 1 then.
+    No cycle is counted before the first loss, or when the last loss is `_WINDOW` cycles
+    ago: the share of commands that arrived is then 1.
 
     Attributes:
-        in_a_row: Cycles without a command since the last command.
+        in_a_row: Number of cycles since the last command.
     """
 
     def __init__(self) -> None:
@@ -150,7 +150,7 @@ class PacketLosses:
         """Count a cycle.
 
         Args:
-            arrived: Whether a command has arrived in it.
+            arrived: Whether a command has arrived in this cycle.
 
         Returns:
             Share of the last cycles that brought a command, 0 to 1.
@@ -170,7 +170,7 @@ class PacketLosses:
 class ArmStep(Preparation):
     """Follows the client's commands, sets the motors, and reads the joints.
 
-    A cycle in which no command arrives counts as a lost packet: the motion goes on with
+    A cycle without a command counts as a lost packet: the motion continues with
     constant acceleration, and torques keep their values. Control thread only.
 
     Args:
@@ -188,16 +188,17 @@ class ArmStep(Preparation):
         world: The world's steps.
 
     Attributes:
-        modes: The modes of the arm; set before the first step, as the next one.
-        observer: Disturbs the readings; None for an ideal arm.
+        modes: The modes of the arm; set before the first step.
+        observer: Disturbs the readings; None for an ideal arm; set before the first
+            step.
         generator: Kind of the commands of the motion.
         wants_torques: Whether the motion commands torques.
         has_load: Whether a load is configured.
         has_faults: Whether a simulated fault acts.
         is_following: Whether an internal controller follows the desired motion.
-        is_quiet: Whether nothing touches the arm; else it is supervised in every cycle.
+        is_quiet: Whether nothing touches the arm; if false, every cycle is supervised.
         is_fresh: Whether a command has arrived since the last cycle.
-        is_begun: Whether a command of this motion has been followed.
+        is_begun: Whether the arm has followed a command of this motion.
         is_lossy: Whether commands were lost in the last cycles.
         plan: Source of the arm's own commands; None if a client commands it.
         seen: Number of the world's step after which the joints were read last.
@@ -264,7 +265,7 @@ class ArmStep(Preparation):
         """Take torques [Nm], shape (7,), for the next cycle.
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: The command is not 7 finite numbers.
         """
         if not self.receive(_as_doubles(tau), self.memory.size, self.memory.torques):
             _refuse("joint torques", self.memory.size, tau)
@@ -273,7 +274,7 @@ class ArmStep(Preparation):
         """Take positions [rad] or velocities [rad/s], shape (7,), for the next cycle.
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: The command is not 7 finite numbers.
         """
         if not self.receive(_as_doubles(values), self.memory.size, self.memory.target):
             _refuse("joint commands", self.memory.size, values)
@@ -286,7 +287,7 @@ class ArmStep(Preparation):
             fastest: Largest velocities, > 0 [rad/s], shape (7,).
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: The target is not 7 finite numbers.
         """
         target = _as_doubles(q)
         if len(target) != self.memory.size or not are_finite(target, self.memory.size):
@@ -308,13 +309,13 @@ class ArmStep(Preparation):
         Args:
             values: The pose O_T_EE or the twist O_dP_EE.
             elbow: Position of joint 3 [rad] and sign of joint 4, or None.
-            size: How many numbers `values` must have.
+            size: Count of numbers that `values` must have.
 
         Raises:
             InvalidCommandError: `values` are not `size` finite numbers, or the elbow
                 is malformed.
         """
-        # First, so that a malformed elbow leaves the last command as it is.
+        # Checked first, so that a malformed elbow leaves the last command unchanged.
         if elbow is not None:
             _check_elbow(elbow)
         if not self.receive_end_effector(_as_doubles(values), size):
@@ -328,7 +329,7 @@ class ArmStep(Preparation):
 
         Args:
             values: The command.
-            size: How many numbers it must have.
+            size: Count of numbers that the command must have.
         """
         if not self.receive(values, size, self.cartesian.command):
             return False
@@ -341,16 +342,16 @@ class ArmStep(Preparation):
 
         Args:
             values: The command.
-            size: How many numbers it must have.
+            size: Count of numbers that the command must have.
             place: Receives the command, shape (>= size,): torques [Nm], positions [rad]
                 or velocities [rad/s] of the joints, or a command of the end effector.
 
         Returns:
-            Whether it certainly is that many finite numbers; if not, nothing has
-            changed.
+            Whether the command is known to be that many finite numbers; if not, nothing
+            has changed.
         """
-        # A NaN in the desired motion would stay: every cycle starts from the one
-        # before.
+        # A NaN would stay in the desired motion, because every cycle starts from the
+        # cycle before.
         if len(values) != size or not are_finite(values, size):
             return False
         copy_into(place, 0, values, size)
@@ -363,7 +364,8 @@ class ArmStep(Preparation):
         mode, motors = self.mode[0], self.motors
         if self.wants_torques and not motors.torques_act:
             self.wait_for_rest()
-        # Before any return: an arm that is guided or recovers carries its load, too.
+        # Before any return, because an arm also carries its load while it is guided or
+        # recovers.
         if self.has_load:
             self.actuators.carry(self.load.weight(list(self.memory.positions)))
         if self.has_faults:
@@ -375,13 +377,13 @@ class ArmStep(Preparation):
             self.modes.advance_recovery()
         elif mode != _MOVE:
             self.motion.hold()
-        # Torques act on a settled arm alone; what is commanded until then is void.
+        # Torques act only on a settled arm; earlier commands are ignored.
         elif self.wants_torques != motors.torques_act:
             self.ignore_command()
         elif self.follow_command():
             self.modes.raise_errors(self.check.violations.errors())
             self.motion.hold()
-        # An error, or the end of a recovery, has changed the mode.
+        # An error, or the end of a recovery, may have changed the mode.
         if motors.torques_act:
             motors.apply_torques()
         elif motors.is_cartesian:
@@ -396,15 +398,15 @@ class ArmStep(Preparation):
         """Let commanded torques act once the arm has come to rest."""
         if self.motion.is_at_rest():
             self.settling += 1
-            # An arm that trembles in a contact is never still; its client would wait
-            # for ever.
+            # An arm that trembles in a contact is never still, and its client would
+            # wait for ever.
             if self.modes.is_still() or self.settling > LONGEST_SETTLING:
                 self.actuators.engage_torques()
 
     def apply_guiding(self) -> None:
         """Let a person move the arm against some damping."""
         memory = self.memory
-        # q_d goes with the hand, or the arm would jump back when it is let go.
+        # q_d follows the hand; otherwise the arm would jump back when it is released.
         self.motion.seed(memory.positions, memory.dtheta)
         pairs = zip(_GUIDING_DAMPING, memory.dtheta, strict=True)
         self.actuators.apply_torques([-damping * rate for damping, rate in pairs])
@@ -413,7 +415,7 @@ class ArmStep(Preparation):
         """Discard this cycle's command and slow down to rest."""
         self.is_fresh = False
         self.motion.hold()
-        # Braking moves the joints alone; the next pose starts from where they are then.
+        # Braking moves only the joints; the next pose starts from where they are then.
         if self.generator == _CARTESIAN:
             self.cartesian.begin_motion()
 
@@ -427,11 +429,11 @@ class ArmStep(Preparation):
             arrived = self.receive(self.plan.advance(), memory.size, memory.target)
         self.is_fresh = False
         violations.count = 0
-        # Losses count from the first command on: a client may take its time to begin.
+        # Losses count from the first command on: a client may take time to begin.
         if not arrived and not self.is_begun:
             self.motion.hold()
             return 0
-        # A motion without recent losses needs no bookkeeping.
+        # Without recent losses there is nothing to count.
         was_lossy = self.is_lossy
         if not arrived or was_lossy:
             self.count_losses(arrived)
@@ -464,8 +466,8 @@ class ArmStep(Preparation):
         violations = check.violations
         if self.generator == _CARTESIAN:
             if arrived:
-                # Joints that settle are not computed. That is worth it for an arm at
-                # rest alone, of which nothing else is to be computed either.
+                # Joints that settle need no computation. This saves time only for an
+                # arm at rest without any of these.
                 may_settle = (
                     self.is_begun
                     and not was_lossy
@@ -492,7 +494,7 @@ class ArmStep(Preparation):
             self.motion.follow_velocities()
 
     def count_losses(self, arrived: bool) -> None:  # noqa: FBT001 - a C function
-        """Count the cycles without a command; too many in a row are a violation.
+        """Count cycles with and without a command; too many losses are a violation.
 
         Args:
             arrived: Whether a command has arrived in this cycle.
@@ -506,13 +508,13 @@ class ArmStep(Preparation):
             self.check.violations.add(LOST_COMMANDS, 0, float(lost), float(most))
 
     def read_state(self) -> RobotState:
-        """Let the world make its step if no other arm has; return the arm's state."""
+        """Advance the world unless another arm has; return the arm's state."""
         world = self.world
         self.steps += 1
         while world.count < self.steps:
             world.make_step()
         steps = world.count
-        # After a late cycle another arm has led the world on: this state was read
+        # After a late cycle another arm has advanced the world: this state was read
         # already.
         if self.seen >= steps:
             return self.state
@@ -527,7 +529,7 @@ class ArmStep(Preparation):
                 self.is_quiet = False
             if observed & _ASKS:
                 self.modes.react_to_observer(observed)
-        # What follows is plain Python, and is left out while nothing can have changed.
+        # The rest is plain Python, and is skipped while nothing can have changed.
         if (
             found
             or world.is_pushed
@@ -543,10 +545,10 @@ class ArmStep(Preparation):
         """Read the joints after a step, and compare the readings with their limits.
 
         Returns:
-            A sum of `CONTACT` and `VIOLATION`; 0 when neither is the case.
+            A sum of `CONTACT` and `VIOLATION`; 0 if neither applies.
         """
-        # Before the joints are read: the state still has the velocities of the last
-        # step.
+        # Before the joints are read, because the state still has the velocities of the
+        # last step.
         if self.has_load:
             velocities = self.motors.simulator.velocities
             self.load.note_motion(self.memory.dtheta, velocities, self.check.period)
@@ -556,8 +558,8 @@ class ArmStep(Preparation):
         motors = self.motors
         if any_of(motors.simulator.constraint_forces, motors.size):
             contact = _CONTACT
-        # In the other modes an error is present, or a person holds the arm: there is no
-        # motion that another error could end.
+        # In the other modes there is an error, or a person holds the arm: no motion
+        # runs that another error could end.
         is_supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
         if is_supervised and self.watch.check_readings(self.is_following, True):  # noqa: FBT003 - C
             violation = _VIOLATION
@@ -567,7 +569,7 @@ class ArmStep(Preparation):
         return contact | violation
 
     def expect_load(self) -> None:
-        """Let the observer, if there is one, expect the torques of the load."""
+        """Let the observer expect the torques of the load."""
         if self.observer is not None:
             put(self.observer.expected, self.load_torques() or [0.0] * self.memory.size)
 
@@ -589,10 +591,10 @@ class ArmStep(Preparation):
 
 
 class StepReceiver(Receiver):
-    """Takes the commands of the motion that runs, if they are finite numbers.
+    """Takes commands of the motion that runs, if they are finite numbers.
 
     Args:
-        step: The arm's arithmetic.
+        step: The arm's cycle.
     """
 
     def __init__(self, step: ArmStep) -> None:

@@ -1,4 +1,4 @@
-"""Find errors in the measured state of an arm, and keep them, as a real arm does.
+"""Find errors in the measured state of an arm and store them, as a real arm does.
 
 Source: Franka Control Interface documentation, Errors; libfranka@0.9.2
 include/franka/errors.h; differs: thresholds that Franka does not publish are in
@@ -19,24 +19,25 @@ from station.hw.franka.simulated.arm_step import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.reports import ArmRecord
 
-# Change for the worse after a recovery that makes a value an error again [rad or m];
-# for other units a share of the limit.
+# Change for the worse after a recovery that makes a value an error again [rad or m]; in
+# other units a share of the limit.
 _WORSE = 0.005
 _WORSE_SHARE = 0.1
 _ELBOW_JOINT = 2
 
 
 class ArmSupervisor:
-    """Finds errors in the measured state, and keeps those of the arm.
+    """Finds errors in the measured state, and stores the errors of the arm.
 
     A value that is still out of its range when the arm recovers, such as a joint beyond
-    its limit, becomes an error again only when it moves further out, so that the arm
-    can be moved back.
+    its limit, becomes an error again only if it moves further out. So the arm can be
+    moved back.
 
     Control thread only.
 
     Args:
-        state: The arm's state; `current_errors` and `last_motion_errors` are written.
+        state: The arm's state; this class writes `current_errors` and
+            `last_motion_errors`.
         thresholds: Thresholds that Franka does not publish.
         watch: Compares the readings with their limits in every cycle.
         cycle_log: The last cycles.
@@ -67,12 +68,12 @@ class ArmSupervisor:
     def singular_start(self) -> str | None:
         """Return the reason why no Cartesian motion can start at the present pose.
 
-        None where one can.
+        None if one can.
         """
         state, least = self._state, self._thresholds.singular_start
         frames = state.q_d, state.F_T_EE, state.EE_T_K
         jacobian = np.reshape(zero_jacobian(Frame.END_EFFECTOR, *frames), (-1, 6))
-        # Six joints follow the pose; joint 3 has the position that the elbow tells.
+        # Six joints follow the pose; the elbow gives the position of joint 3.
         others = np.delete(jacobian, _ELBOW_JOINT, 0)
         value = float(np.linalg.svd(others, compute_uv=False)[-1])
         if value >= least:
@@ -88,21 +89,22 @@ class ArmSupervisor:
         """Find errors in a cycle in which the watch may have found violations.
 
         Args:
-            is_quiet: Whether the watch has found nothing.
+            is_quiet: Whether the watch has found no violation.
             is_following: Whether the arm follows a desired motion.
-            is_recovering: Whether the arm only brakes and comes to rest: what is out of
-                range then is accepted, or a push that lasts would undo every recovery.
+            is_recovering: Whether the arm only brakes and comes to rest. Values out of
+                range are then accepted, because a lasting push would otherwise undo
+                every recovery.
 
         Returns:
             Errors of measured values that were out of range for too long.
         """
-        # After the last violation one more cycle is examined, which ends the count.
+        # After the last violation one more cycle is examined, which resets the count.
         self._watch.is_alert = not is_quiet
         if is_quiet:
             self._bad_cycles = 0
             self._known = {}
             return []
-        # Noise has been added to the readings since the watch has compared them.
+        # Compared again, because noise was added to the readings after the watch.
         self._watch.check_readings(is_following, has_moved=False)
         if is_recovering:
             self._accept()
@@ -113,14 +115,14 @@ class ArmSupervisor:
         return found if self._bad_cycles >= self._thresholds.debounce else []
 
     def set_errors(self, errors: Sequence[ArmError], cycle: int) -> None:
-        """Raise errors; an error that is present already does not change.
+        """Raise errors; an error that is already present does not change.
 
         Args:
             errors: The errors.
             cycle: Number of the arm's cycle.
         """
         state = self._state
-        # The cycles before the first error explain it; later ones show the arm braking.
+        # The cycles before the first error explain it; later ones only show braking.
         if not self.errors:
             self.log = [
                 ArmRecord(
@@ -167,7 +169,7 @@ class ArmSupervisor:
         self._watch.is_alert = True
 
     def _accept(self) -> None:
-        """Note the values that are out of range now as known."""
+        """Store the values that are out of range now as known."""
         found = self._watch.violations.errors()
         self._known = {(e.name, e.where): _excess(e) for e in found}
 
@@ -177,7 +179,7 @@ class ArmSupervisor:
         self._known = {}
 
     def _new(self, found: list[ArmError]) -> list[ArmError]:
-        """Return the errors that are new, or worse, since the last recovery."""
+        """Return the errors that are new or worse since the last recovery."""
         known = self._known
         if not known:
             return found

@@ -1,7 +1,7 @@
 """The motion of an arm's end effector: its state, and its steps along poses and twists.
 
 Six coordinates of the end effector do not determine the motion of seven joints. The
-position of one joint, the elbow, is therefore given too, which makes the motion unique.
+position of joint 3, the elbow, is therefore given, too, which makes the motion unique.
 
 Source: Franka Control Interface documentation, Cartesian motion generators; differs:
 the inverse kinematics of the arm is not public; here it is a Newton step per cycle with
@@ -40,22 +40,22 @@ START_ROTATION_TOLERANCE = 0.01
 START_ELBOW_TOLERANCE = 0.01
 """Largest distance of a first elbow position from elbow_d [rad]; not published."""
 MAX_EXTENSION = -0.467002423653011
-"""Position of joint 4 at which the arm is stretched out most [rad]."""
+"""Position of joint 4 at which the arm is extended farthest [rad]."""
 _EXTENSION = MAX_EXTENSION
 # Largest deviation from 1 of the length of a row or a column of a rotation.
 _UNIT_TOLERANCE = 1e-5
-# How many numbers of a command are a twist; any other command is a pose.
+# Count of the numbers in a twist; a command of any other size is a pose.
 _TWIST_SIZE = 6
-# Below these the motion has ended: change of a joint in a cycle [rad]; velocity [m/s,
-# rad/s] and acceleration [m/s^2, rad/s^2] of end effector and elbow.
+# Values below which the motion has ended: change of a joint in a cycle [rad]; velocity
+# [m/s, rad/s] and acceleration [m/s^2, rad/s^2] of end effector and elbow.
 _STILL_STEP = 1e-12
 _STILL_VELOCITY = 1e-9
 _STILL_ACCELERATION = 1e-6
-# Damping of a step, relative to the matrix: for full accuracy, and for poses near a
-# singularity, where an undamped step would be too large.
+# Damping of a step, relative to the matrix: one for full accuracy, and one for poses
+# near a singularity, where an undamped step would be too large.
 FINE_DAMPING = 1e-9
 _COARSE_DAMPING = 1e-3
-# A step of a joint [rad] that is larger, 50 rad/s at 1 kHz, shows a singularity.
+# Largest step of a joint [rad], 50 rad/s at 1 kHz; a larger one shows a singularity.
 _LARGEST_STEP = 0.05
 
 
@@ -84,8 +84,8 @@ class EndEffectorState:
     """Pose, twist and elbow of an arm, measured, desired and commanded.
 
     Args:
-        fields: Returns the memory of a field of the arm's state, which has libfranka's
-            names; the memory is kept.
+        fields: Returns the memory of a field of the arm's state by libfranka's name;
+            the memory is kept.
         chain: The arm's chain of n joints, see `arm_chain`.
     """
 
@@ -114,7 +114,7 @@ class EndEffectorState:
         self.ddelbow_c = fields("ddelbow_c")
 
     def refresh(self) -> None:
-        """Bring the measured and the desired fields up to date."""
+        """Update the measured and the desired fields."""
         place_links(self.chain, self.q, self.links)
         compose(self.flange, self.tool, self.pose)
         place_links(self.chain, self.q_d, self.links)
@@ -125,7 +125,7 @@ class EndEffectorState:
         bend(self.q_d, self.elbow_d)
 
     def command_desired(self) -> None:
-        """Let the commanded fields follow the desired ones, which are up to date."""
+        """Set the commanded fields to the desired ones, which must be up to date."""
         for i in range(16):
             self.pose_c[i] = self.pose_d[i]
         for i in range(6):
@@ -155,7 +155,7 @@ def bend(q: Doubles, result: Doubles) -> None:
 
 
 class InverseKinematics:
-    """Newton steps of the joints towards a pose; every array is kept and not copied.
+    """Newton steps of the joints towards a pose; arrays are kept and not copied.
 
     Args:
         chain: The chain of n joints, see `arm_chain`.
@@ -182,7 +182,7 @@ class InverseKinematics:
         self.equation = WrenchEquation()
 
     def advance(self, elbow: float) -> None:
-        """Write the step that leads to the target, with joint 3 at a position [rad]."""
+        """Write the step that leads to the target, with joint 3 at `elbow` [rad]."""
         step, jacobian, error = self.step, self.jacobian, self.error
         place_links(self.chain, self.q, self.links)
         copy_into(self.flange, 0, self.links[self.end :], 16)
@@ -190,8 +190,8 @@ class InverseKinematics:
         zero_jacobian(self.links, self.pose, jacobian)
         twist_between(self.pose, self.target, 1.0, error)
         bend = elbow - self.q[2]
-        # Joint 3 has its position already: its column leaves the equation, and its
-        # share of the way leaves the error.
+        # Joint 3 has its position already: remove its column from the equation, and its
+        # part from the error.
         for k in range(12, 18):
             error[k - 12] -= bend * jacobian[k]
             jacobian[k] = 0.0
@@ -215,7 +215,7 @@ class InverseKinematics:
 
 
 class CartesianStep:
-    """The motion of an arm's end effector, a cycle at a time.
+    """The motion of an arm's end effector, one cycle at a time.
 
     Args:
         memory: State and commands of the joints.
@@ -227,13 +227,13 @@ class CartesianStep:
 
     Attributes:
         command: The command of this cycle, a pose or a twist, shape (16,).
-        size: How many numbers the command has.
+        size: Count of the numbers in the command.
         elbow_command: Position of joint 3 [rad] and sign of joint 4, shape (2,).
         has_elbow: Whether the command gives an elbow; if not, joint 3 comes to rest.
-        next_pose: The pose that follows, 16 numbers.
-        next_twist: The twist that leads there [m/s, rad/s], shape (6,).
-        next_elbow: Position, velocity and acceleration of joint 3 that follow.
-        is_settled: Whether the joints rest where the pose of the last cycle is.
+        next_pose: The next pose, 16 numbers.
+        next_twist: The twist that leads to it [m/s, rad/s], shape (6,).
+        next_elbow: Next position, velocity and acceleration of joint 3.
+        is_settled: Whether the joints are at rest at the pose of the last cycle.
     """
 
     def __init__(
@@ -248,7 +248,7 @@ class CartesianStep:
         self.check = check
         self.state = EndEffectorState(fields, chain)
         self.next_pose = zeros(16)
-        # Leads from `q_d` towards the next pose.
+        # The solver leads from `q_d` to the next pose.
         self.kinematics = InverseKinematics(
             chain, memory.q_d, fields("F_T_EE"), self.next_pose, zeros(memory.size)
         )
@@ -267,14 +267,14 @@ class CartesianStep:
         self.is_settled = False
 
     def follow_command(self, is_first: bool, may_settle: bool) -> int:  # noqa: FBT001
-        """Follow the command, and write the joints' next positions as their target.
+        """Follow the command: write the joints' next positions as their target.
 
         Args:
-            is_first: Whether it is the first command of the motion.
-            may_settle: Whether joints at rest may stay where they are exactly.
+            is_first: Whether this is the first command of the motion.
+            may_settle: Whether joints at rest may stay exactly where they are.
 
         Returns:
-            How many violations there are; with any, the joints must not move.
+            Number of violations; if there are any, the joints must not move.
         """
         if may_settle and self.is_settled and self.repeats():
             copy_into(self.memory.target, 0, self.memory.q_d, self.memory.size)
@@ -287,7 +287,7 @@ class CartesianStep:
         return count
 
     def extrapolate(self) -> int:
-        """Go on with constant acceleration, because no command has arrived."""
+        """Continue with constant acceleration, because no command has arrived."""
         following, period, state = self.next_elbow, self.period, self.state
         for i in range(6):
             self.next_twist[i] = state.twist_c[i] + state.rate_c[i] * period
@@ -326,10 +326,10 @@ class CartesianStep:
         return True
 
     def plan(self, is_first: bool) -> int:  # noqa: FBT001 - a C function
-        """Compute pose, twist and elbow that follow; return the number of violations.
+        """Compute the next pose, twist and elbow; return the number of violations.
 
         Args:
-            is_first: Whether it is the first command of the motion.
+            is_first: Whether this is the first command of the motion.
         """
         command, check, state = self.command, self.check, self.state
         if self.size == _TWIST_SIZE:
@@ -342,7 +342,7 @@ class CartesianStep:
         else:
             copy_into(self.next_pose, 0, command, 16)
             twist_between(state.pose_c, command, self.period, self.next_twist)
-            # Only a pose can be elsewhere: a twist starts where the end effector is.
+            # Only a pose can begin elsewhere: a twist begins at the end effector.
             if is_first and self.check_start():
                 return check.violations.count
         if check.check_twist(self.next_twist, state.twist_c, state.rate_c):
@@ -353,7 +353,7 @@ class CartesianStep:
         return 0
 
     def check_start(self) -> int:
-        """Compare the first pose of a motion with the present one."""
+        """Compare the first pose of a motion with the present pose."""
         violations, twist = self.check.violations, self.next_twist
         for part in range(2):
             x, y, z = twist[3 * part], twist[3 * part + 1], twist[3 * part + 2]
@@ -364,10 +364,10 @@ class CartesianStep:
         return violations.count
 
     def plan_elbow(self, is_first: bool) -> int:  # noqa: FBT001 - a C function
-        """Take the elbow of the command over; return the number of violations.
+        """Take the elbow from the command; return the number of violations.
 
         Args:
-            is_first: Whether it is the first command of the motion.
+            is_first: Whether this is the first command of the motion.
         """
         command, state, check = self.elbow_command, self.state, self.check
         sign, period, following = state.elbow_c[1], self.period, self.next_elbow
@@ -385,7 +385,7 @@ class CartesianStep:
         return check.check_elbow(rate, acceleration, jerk)
 
     def rest_elbow(self) -> None:
-        """Let joint 3 come to rest: the arm's own choice."""
+        """Let joint 3 come to rest, as the arm chooses without an elbow command."""
         bounds, following, period = self.check.elbow, self.next_elbow, self.period
         speed, last = self.state.delbow_c[0], self.state.ddelbow_c[0]
         rate = limited(
@@ -396,10 +396,10 @@ class CartesianStep:
         following[2] = (rate - speed) / period
 
     def move_joints(self) -> int:
-        """Make the next pose the last one; write the joints' positions that reach it.
+        """Take over the next pose; write the joints' positions that reach it.
 
         Returns:
-            How many limits of the joints are violated.
+            Number of limits of the joints that are violated.
         """
         memory, kinematics, state = self.memory, self.kinematics, self.state
         twist, rates, new = state.twist_c, state.rate_c, self.next_twist

@@ -1,11 +1,11 @@
-"""External torques and wrench, and the contacts and collisions that follow from them.
+"""External torques and wrench, and the contacts and collisions that they show.
 
-The external torque is the reading of a torque sensor minus the torque that the model of
-arm, end effector and load needs. It is the torque that the arm exerts on its
+The external torque is the reading of a torque sensor minus the torque that the model
+expects for arm, end effector and load. It is the torque that the arm exerts on its
 environment. MuJoCo knows the forces of contacts and pushes exactly.
 
 Source: Franka Control Interface documentation, RobotState; differs: contact forces are
-those of the simulation, so nothing is estimated but the load.
+those of the simulation, so only the load is estimated.
 """
 
 import random
@@ -46,10 +46,10 @@ SINGULAR = 0.05
 wrench is 0, because small torques would become arbitrarily large forces."""
 # Share of the acceleration limit above which the motion counts as accelerating.
 _ACCELERATING = 0.05
-# A smaller torque [Nm] is rounding of the simulation. The estimate becomes exactly 0,
-# and an arm that nothing touches is not examined.
+# Torque below which it counts as rounding of the simulation [Nm]. The estimate then
+# becomes exactly 0, and an arm that nothing touches is not examined.
 _NEGLIGIBLE = 1e-6
-# Excess of a collision that has not been forgotten yet.
+# Excess that stands for a collision which is not forgotten yet.
 _FADING = 1e-12
 _ZEROS = [0.0] * 7
 
@@ -61,18 +61,18 @@ class ContactEstimate:
 
     Args:
         joints: The arm's joints in the world.
-        state: The arm's state; the fields from `tau_ext_hat_filtered` to
-            `cartesian_collision` are written.
+        state: The arm's state; this class writes the fields from `tau_ext_hat_filtered`
+            to `cartesian_collision`.
         limits: The arm's limits.
-        step: The arm's cycle, which `update` is a part of until it is quiet.
+        step: The arm's cycle; it calls `update` while the arm is not quiet.
 
     Attributes:
         behavior: The thresholds.
         observer: Disturbs the readings in every cycle; None for an ideal arm.
-        release: Share of its threshold below which a signal must fall before it can be
-            a new collision, at most 1.
-        release_cycles: How many cycles in a row all signals must be that low before the
-            contact in which the arm recovered has ended.
+        release: Share of its threshold to which a signal must fall before it can be a
+            new collision, at most 1.
+        release_cycles: Number of cycles in a row in which all signals must be released
+            until the contact in which the arm recovered has ended.
     """
 
     def __init__(
@@ -93,20 +93,20 @@ class ContactEstimate:
         self._step = step
         self.release = 1.0
         self.release_cycles = 1
-        # Excess over its threshold that each signal may have without a new collision:
-        # the excess at the last collision or recovery, plus one threshold.
+        # Known excess of each signal over its threshold, from the last collision or
+        # recovery. A new collision must exceed it by another threshold.
         self._known = [0.0] * 13
-        # Whether the contact in which the arm recovered has not ended since. Its force
-        # may still turn from one signal to another while the arm comes to rest in it.
+        # Whether the contact in which the arm recovered still lasts. While the arm
+        # comes to rest in it, its force may turn from one signal to another.
         self._lasts = False
         self._released = 0
 
     def set_behavior(self, behavior: CollisionBehavior) -> None:
-        """Take new thresholds over."""
+        """Use new thresholds."""
         self.behavior = behavior
 
     def update(self) -> list[ArmError]:
-        """Bring torques, wrench and contacts up to date; return the new collisions."""
+        """Update torques, wrench and contacts; return the new collisions."""
         external = self._joints.read_external_forces()
         load = self._step.load_torques()
         if self._step.is_quiet and load is None and not any(external):
@@ -142,10 +142,10 @@ class ContactEstimate:
         self._update_levels()
 
     def renew(self) -> None:
-        """Take new frames over, and drop every value that depends on them."""
+        """Use new frames, and drop every value that depends on them."""
 
     def react_to(self, found: int) -> bool:
-        """Serve the requests of an observer; here there is no observer.
+        """Carry out requests of an observer; this class has no observer.
 
         Args:
             found: Result of `FrictionAndObserver.sense`, not 0.
@@ -186,9 +186,9 @@ class ContactEstimate:
     def _collisions(self) -> list[float]:
         """Return the excess of each signal over its upper threshold.
 
-        The signals are the 7 torques and the 6 components of the wrench. The excess is
-        0 for a signal that has been released. One between release and threshold counts
-        as a collision that fades: noise alone may lift it over the threshold.
+        The signals are the 7 torques and the 6 components of the wrench. A released
+        signal has the excess 0. A signal between release and threshold counts as a
+        collision that fades, because noise alone may lift it over the threshold.
         """
         state = self._state
         return [
@@ -223,8 +223,8 @@ class ContactEstimate:
             self._known = [max(known, _FADING) for known in self._known]
         for i, bound in enumerate(self._thresholds("upper")):
             excess = max(0.0, abs(values[i]) - bound)
-            # The contact in which the arm recovered must grow by a whole threshold, or
-            # it would end every recovery at once.
+            # The contact in which the arm recovered must grow by a whole threshold;
+            # otherwise it would end every recovery at once.
             if excess > self._known[i] + (bound if self._known[i] else 0.0):
                 found.append(collision_error(i, values[i], bound))
                 if i < 7:
@@ -240,27 +240,28 @@ class ContactEstimate:
 
 
 _NUMBERS = 16381
-"""How many random numbers there are. They are drawn in pairs of a cycle's 14, and the
-number is prime, so a joint gets the same ones again after 16 s at the earliest."""
+"""Count of random numbers. They are drawn in pairs, 14 in a cycle, and the count is
+prime, so a joint gets the same numbers again after 16 s at the earliest."""
 _RELEASE_TIME = 0.1
-"""How long all signals must be that low until the contact in which the arm recovered
-has ended [s]: near a singular pose the noise of some newtons would end a contact of
-19 N for a cycle, and begin it again as a new collision."""
+"""Time for which all signals must be released until the contact in which the arm
+recovered has ended [s]. Without it, near a singular pose, the noise of some newtons
+would end a contact of 19 N for a cycle, and begin it again as a new collision."""
 _REACH = 0.01
-"""How far a joint may turn until the Jacobian is computed anew [rad]: 1 % of wrench."""
+"""Largest turn of a joint until the Jacobian is computed anew [rad]: 1 % of wrench."""
 _RELIABLE = 0.13
-"""Singular value of the Jacobian above which the wrench is the one of the torques.
+"""Singular value of the Jacobian above which the torques determine the wrench well.
 
-Below, errors of sensors and model are taken for contacts in free space otherwise: of
-1000 random motions in the whole range of the joints 1 in 30 ended in a reflex.
+Below it, errors of sensors and model would look like contacts in free space: of 1000
+random motions in the whole range of the joints, 1 in 30 ended in a reflex.
 """
 _LASTING = 0.2
-"""Time after which a change of the torques counts as lasting [s]: long beside the
-0.05 s in which a collision is found, short beside a motion, in which errors change."""
+"""Time after which a change of the torques counts as lasting [s]: long compared with
+the 0.05 s in which a collision is found, short compared with a motion, in which errors
+change."""
 
 
 class MomentumObserver(ContactEstimate):
-    """Keeps external torques and contact levels up to date as an observer finds them.
+    """Estimates external torques and contact levels as a real arm's observer does.
 
     Control thread only.
 
@@ -274,8 +275,8 @@ class MomentumObserver(ContactEstimate):
         simulator: The simulator's memory of the joints.
 
     Attributes:
-        observer: Lets the joints' friction act, disturbs the readings, and estimates
-            the torques that act from outside.
+        observer: Applies the joints' friction, disturbs the readings, and estimates the
+            external torques.
     """
 
     def __init__(
@@ -305,13 +306,13 @@ class MomentumObserver(ContactEstimate):
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
         self._seed = realism.seed
-        # Nothing is a new collision in a recovery, and for three time constants after
-        # it, in which the estimate still approaches what acts.
+        # During a recovery, and for three time constants after it, nothing is a new
+        # collision, because the estimate still approaches the acting torques.
         self._settling_time = 3.0 / (2.0 * pi * realism.observer_frequency)
-        # By the arm's time, which goes on while nothing touches the arm.
+        # In the arm's time, which passes even while nothing touches the arm.
         self._settled_at = 0.0
         self.set_behavior(self.behavior)
-        # A signal that fades through noise would be counted again and again.
+        # Otherwise noise would make a fading signal count again and again.
         self.release = NEAR
         self.release_cycles = round(_RELEASE_TIME / joints.timestep)
 
@@ -320,8 +321,8 @@ class MomentumObserver(ContactEstimate):
         super().set_behavior(behavior)
         nominal = thresholds_of(behavior, "lower", "nominal")
         accelerating = thresholds_of(behavior, "lower", "acceleration")
-        # The smaller one: the observer only asks for `update`, which knows whether the
-        # motion accelerates, and decides.
+        # The smaller threshold: the observer only requests `update`, which knows
+        # whether the motion accelerates, and decides.
         put(self.observer.lower, map(min, nominal, accelerating))
 
     @override
@@ -338,8 +339,8 @@ class MomentumObserver(ContactEstimate):
         if self._step.is_quiet:
             return []
         if self._state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
-            # The arm only brakes and comes to rest; a hand that bounces off a table and
-            # falls back on it would otherwise undo every recovery.
+            # The arm only brakes and comes to rest. Otherwise a hand that bounces off a
+            # table and falls back on it would undo every recovery.
             self._settled_at = self._state.time + self._settling_time
         if self._state.time < self._settled_at:
             self._known = [*map(max, self._known, self._collisions())]
@@ -361,14 +362,14 @@ class MomentumObserver(ContactEstimate):
         self.observer.rest()
         self._settled_at = 0.0
         self.renew()
-        # A re-run after a reset loses the same commands again.
+        # So that a run after a reset loses the same commands again.
         self._dice.seed(self._seed)
         self._draw_loss()
         super().reset()
 
     @override
     def _update_wrench(self) -> None:
-        """Nothing is left to do: `FrictionAndObserver` has computed the wrench."""
+        """Do nothing, because `FrictionAndObserver` has computed the wrench."""
 
     @override
     def renew(self) -> None:
@@ -378,9 +379,9 @@ class MomentumObserver(ContactEstimate):
     def _find_weak_directions(self) -> None:
         """Find the directions in which errors of the torques look like forces.
 
-        An error along one direction of the joints looks like a wrench of the error over
-        the singular value. Only what exceeds that at `_RELIABLE` is in doubt, so that
-        the wrench has no step there.
+        An error along one direction looks like a wrench of the error divided by the
+        singular value. Only the part above that at `_RELIABLE` is in doubt, so that the
+        wrench has no step there.
         """
         observer = self.observer
         jacobian = np.reshape(observer.jacobian, (7, 6))
@@ -396,14 +397,14 @@ class MomentumObserver(ContactEstimate):
         observer.weak = weak
 
     def _draw_loss(self) -> None:
-        """Draw after how many cycles the next command is lost."""
+        """Draw the number of cycles until the next lost command."""
         if self._losses > 0.0:
             wait = self._dice.expovariate(self._losses)
             self.observer.cycles_to_loss = 1 + round(wait)
 
 
-# Arms of the same seed share them, because to draw them takes 5 ms.
-# A few alone, because trials of chance take a new seed each time.
+# Arms with the same seed share the numbers, because drawing them takes 5 ms. Only a few
+# sets are kept, because random trials use a new seed each time.
 @lru_cache(maxsize=8)
 def _random_numbers(seed: int) -> Doubles:
     dice = random.Random(seed)

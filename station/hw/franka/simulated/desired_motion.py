@@ -10,9 +10,9 @@ from station.memory.vectors import any_of, copy_into
 class DesiredMotion:
     """Desired positions, velocities and accelerations of n joints.
 
-    Exactly one of `hold`, `extrapolate`, `follow_positions` and `follow_velocities`
-    is called per cycle. All of them start from the present desired motion, so q_d never
-    jumps unless a commanded position does.
+    Exactly one of `hold`, `extrapolate`, `follow_positions` and `follow_velocities` is
+    called per cycle. All of them start from the present desired motion, so q_d only
+    jumps if a commanded position does.
 
     Args:
         memory: The joints; `q_d`, `dq_d` and `ddq_d` change in place.
@@ -22,7 +22,7 @@ class DesiredMotion:
         period: Duration of a cycle [s], > 0.
 
     Attributes:
-        rests: Whether all desired velocities and accelerations certainly are zero.
+        rests: Whether all desired velocities and accelerations are known to be zero.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class DesiredMotion:
         if self.rests:
             return
         dq_d, ddq_d = self.memory.dq_d, self.memory.ddq_d
-        # Both: the acceleration of the last braking step must become 0 as well.
+        # Both, because the acceleration of the last braking step must become 0, too.
         if not any_of(dq_d, self.size) and not any_of(ddq_d, self.size):
             self.rests = True
             return
@@ -80,7 +80,7 @@ class DesiredMotion:
         self.move()
 
     def extrapolate(self) -> None:
-        """Go on with constant acceleration, because no command has arrived."""
+        """Continue with constant acceleration, because no command has arrived."""
         wanted, period = self.wanted, self.period
         dq_d, ddq_d = self.memory.dq_d, self.memory.ddq_d
         for i in range(self.size):
@@ -88,12 +88,12 @@ class DesiredMotion:
         self.move()
 
     def follow_velocities(self) -> None:
-        """Move on with the velocities in `target`; at a limit a joint stops."""
+        """Move with the velocities in `target`; at a limit a joint stops."""
         copy_into(self.wanted, 0, self.memory.target, self.size)
         self.move()
 
     def move(self) -> None:
-        """Move on with the velocities in `wanted`; at a limit a joint stops."""
+        """Move with the velocities in `wanted`; at a limit a joint stops."""
         self.rests = False
         period, dq, memory = self.period, self.wanted, self.memory
         positions, velocities = memory.q_d, memory.dq_d
@@ -123,7 +123,7 @@ class DesiredMotion:
     def follow_positions(self) -> None:
         """Go to the positions in `target` within this cycle.
 
-        Velocities and accelerations follow by backward differences.
+        Velocities and accelerations are backward differences.
         """
         self.rests = False
         period, memory = self.period, self.memory

@@ -1,4 +1,4 @@
-"""Mass properties and nominal frame of the end effector that a URDF mounts."""
+"""Mass properties and nominal frame of the end effector in a URDF."""
 
 from station.core.description.urdf import Inertial, JointType, Pose, Urdf
 from station.hw.franka.arm.franka_kinematics import IDENTITY
@@ -53,7 +53,7 @@ def as_transform(pose: Pose) -> tuple[float, ...]:
 
 
 def _links_behind(urdf: Urdf, link: str, width: float) -> dict[str, Pose]:
-    """Return the poses of all links behind a link in its frame, joints at rest."""
+    """Return the poses of all links behind a link in its frame, with joints at 0."""
     found: dict[str, Pose] = {}
     frontier = [(link, Pose())] if link in urdf.links else []
     while frontier:

@@ -1,4 +1,4 @@
-"""The motor of a hand's fingers: a servo with a limit on its lead, or a force."""
+"""The motor of a hand's fingers: a servo with a limited lead, or a force."""
 
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_step import Preparation
@@ -41,8 +41,8 @@ class FingerMotor(Preparation):
         if step < way:
             way = step
         place, position = self.place + way, simulator.positions[0]
-        # The lead bounds the force: a servo that ran on would press blocked fingers
-        # with ever more of it.
+        # A bounded lead bounds the force: otherwise the servo would press blocked
+        # fingers more and more.
         if place < position - self.reach:
             place = position - self.reach
         if position + self.reach < place:
@@ -52,7 +52,7 @@ class FingerMotor(Preparation):
 
 
 class FingerSensor:
-    """Reads the fingers of a simulated hand, which are always at the same place.
+    """Reads the fingers of a simulated hand, which both have the same position.
 
     Args:
         simulator: The simulator's memory of the first finger.

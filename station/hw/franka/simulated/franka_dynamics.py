@@ -1,9 +1,9 @@
 """Mass matrix, Coriolis and gravity torques of the arm with a load at its flange.
 
-The links are those of the URDF, without rotor inertia, friction, hand and fingers: what
-is mounted at the flange is the load, as libfranka has it. `arm_dynamics` of
-`core.numerics` does the arithmetic, once for each set of joint positions, however much
-is asked of it, and however often.
+The links are those of the URDF, without rotor inertia, friction, hand and fingers: all
+that is mounted at the flange is the load, as in libfranka. `core.numerics.arm_dynamics`
+does the arithmetic, once for each set of joint positions, however many results are
+requested and however often.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,7 +35,7 @@ from station.memory.doubles import Doubles, Storage, own, put, viewed, zeros
 _NO_LOAD = Load()
 _MASS, _CORIOLIS, _GRAVITY = -1, -2, -3
 _MOMENTS = 10
-# Largest difference between the poses of links in a URDF and of the real ones [m].
+# Largest distance between a link's pose in a URDF and its real pose [m].
 _TOLERANCE = 1e-3
 _LAST = slice((DOF - 1) * _MOMENTS, DOF * _MOMENTS)
 
@@ -46,8 +46,8 @@ class FrankaDynamics:
     Source of the conventions: libfranka@0.9.2 include/franka/model.h, Model.
 
     Args:
-        description: The URDF of a Franka arm; None for links without a mass, that is
-            for the load only.
+        description: The URDF of a Franka arm; None for links without mass, to compute
+            the load only.
 
     Attributes:
         links: Poses of the links 1 to 7 and the flange at the positions of the last
@@ -67,7 +67,7 @@ class FrankaDynamics:
         self._load = _NO_LOAD
         self._mass, self._coriolis = zeros(DOF * DOF), zeros(DOF)
         self._weight = zeros(DOF)
-        # What each of them was computed for.
+        # By quantity, the version and arguments for which it was computed.
         self._known: dict[int, tuple[int, bytes]] = {}
 
     def mass(self, q: Sequence[float], load: Load = _NO_LOAD) -> list[float]:
@@ -145,12 +145,12 @@ class FrankaDynamics:
     def is_new(self, what: int, arguments: bytes = b"") -> bool:
         """Return whether a quantity must be computed anew; note that it is computed.
 
-        Two controllers that ask the same in a cycle cost one computation.
+        So two controllers that ask the same in a cycle cost only one computation.
 
         Args:
-            what: Number of the computed quantity; those of the frames are for
+            what: Number of the computed quantity; the numbers of frames stand for their
                 Jacobians.
-            arguments: Further numbers that it depends on, as bytes.
+            arguments: Further numbers on which it depends, as bytes.
         """
         wanted = (self._dynamics.version, arguments)
         if self._known.get(what) == wanted:
@@ -159,7 +159,7 @@ class FrankaDynamics:
         return True
 
     def move_to(self, q: Sequence[float]) -> Storage:
-        """Return `links` at joint positions [rad], shape (7,)."""
+        """Return `links` at the given joint positions [rad], shape (7,)."""
         self._dynamics.move_to(q)
         return self.links
 
@@ -167,7 +167,7 @@ class FrankaDynamics:
         """Return a source of the pose of a body fixed to the flange.
 
         Args:
-            q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
+            q: Joint positions [rad], shape (7,); read in every cycle, like `tool`.
             tool: Pose of the body in the frame of the flange, 16 numbers.
         """
         return ToolPoseSource(self._dynamics, q, self.links, tool)
@@ -176,7 +176,7 @@ class FrankaDynamics:
         """Return a source of the Jacobian of a body fixed to the flange, (42,).
 
         Args:
-            q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
+            q: Joint positions [rad], shape (7,); read in every cycle, like `tool`.
             tool: Pose of the body in the frame of the flange, 16 numbers.
         """
         return ToolJacobianSource(self.tool_pose_source(q, tool))
@@ -200,7 +200,7 @@ class FrankaDynamics:
 
     def _set(self, q: Sequence[float], load: Load) -> None:
         self._dynamics.move_to(q)
-        # The identity first: `ArmModel` passes the same object while nothing changes.
+        # By identity first: `ArmModel` passes the same object while nothing changes.
         if load is not self._load and load != self._load:
             self._load = load
             added = _moments_at_link7(load)
@@ -222,7 +222,7 @@ class ArmLoad:
     """
 
     def __init__(self, gravity: Sequence[float] = GRAVITY_EARTH) -> None:
-        # Torques add up over bodies: these are of an arm of which nothing else weighs.
+        # Torques of bodies add up, so this arm has no mass except the load.
         self._dynamics = FrankaDynamics(None)
         self._gravity = tuple(gravity)
         self._ddq = [0.0] * 7
@@ -231,11 +231,11 @@ class ArmLoad:
     def note_motion(
         self, before: Sequence[float], velocities: Sequence[float], period: float
     ) -> None:
-        """Note how the velocities change in a step.
+        """Store the change of the velocities in a step.
 
         Args:
             before: Joint velocities before the step [rad/s], shape (7,).
-            velocities: Joint velocities after it [rad/s], shape (7,).
+            velocities: Joint velocities after the step [rad/s], shape (7,).
             period: Duration of the step, > 0 [s].
         """
         pairs = zip(velocities, before, strict=True)
@@ -252,7 +252,7 @@ class ArmLoad:
     def torques(self, q: Sequence[float], dq: Sequence[float]) -> list[float]:
         """Return the torques that carry and move the load [Nm], shape (7,).
 
-        The accelerations are those of the noted motion.
+        The accelerations are those of the motion that was stored last.
 
         Args:
             q: Joint positions [rad], shape (7,).
@@ -265,15 +265,15 @@ def _moments_at_link7(load: Load) -> list[float]:
     """Return mass and moments of a load in the frame of link 7, 10 numbers."""
     x, y, z = load.center_of_mass
     inertia = np.reshape(load.inertia, (3, 3))
-    # Six moments describe a symmetric tensor; rounding may leave it not quite
-    # symmetric.
+    # Six moments describe a symmetric tensor; rounding may make it slightly
+    # asymmetric.
     return _moments(load.mass, [x, y, z + FLANGE_OFFSET], (inertia + inertia.T) / 2.0)
 
 
 def _moments(
     mass: float, center: Sequence[float], inertia: NDArray[np.float64]
 ) -> list[float]:
-    """Return mass and moments as `ArmDynamics` takes them, 10 numbers.
+    """Return mass and moments in the form of `ArmDynamics`, 10 numbers.
 
     Args:
         mass: Mass of a body [kg].
@@ -290,7 +290,7 @@ def _moments(
 def read_bodies(description: RobotFiles) -> list[float]:
     """Return mass and moments of the links 1 to 7 in their own frames, 70 numbers.
 
-    `station.core.numerics.arm_dynamics` says which.
+    `station.core.numerics.arm_dynamics` defines them.
 
     Args:
         description: The URDF of a Franka arm.
@@ -315,7 +315,7 @@ def read_bodies(description: RobotFiles) -> list[float]:
 
 
 def _check_geometry(description: RobotFiles, joints: Sequence[Joint]) -> None:
-    """Refuse a URDF whose joints are not where those of a Franka arm are.
+    """Refuse a URDF whose joints are not at the places of a Franka arm's joints.
 
     Raises:
         RobotDescriptionError: A joint is elsewhere, or turns about another axis.

@@ -49,8 +49,8 @@ _RIGID_IMPEDANCE = 0.999
 coupling. With MuJoCo's defaults, fingers that press with 20 N sink 3.5 mm into an
 object and the object slips out; with 0.999 the contacts chatter."""
 _FINGERS_WEIGHT = 1e6
-"""Weight of the finger in a contact: the finger alone decides how stiff a contact is.
-The friction depends on both bodies."""
+"""Weight of the finger in a contact, so that only the finger decides how stiff the
+contact is. The friction depends on both bodies."""
 
 WORLD_LINK = "world"
 """The root link of the URDF of several arms."""
@@ -63,7 +63,7 @@ class ArmPlacement:
     """An arm to be put into the world.
 
     Attributes:
-        arm_id: Prefix of the names: `<arm_id>_joint1`, `<arm_id>_link0`, …
+        arm_id: Name of the arm, which begins its names: `<arm_id>_joint1`, …
         description: The URDF of the arm.
         base: Pose of the base in the world.
         positions: Positions of joints 1 to 7 at the start [rad].
@@ -90,7 +90,7 @@ class FrankaWorld(SharedWorld):
         world: The MuJoCo world.
         arms: Arms by arm_id.
         grippers: Hands by arm_id, without entries for arms without a hand.
-        keyframes: Poses that have a name: joint name to position [rad or m].
+        keyframes: The named poses: joint name to position [rad or m].
 
     Attributes:
         arms: As given.
@@ -149,8 +149,8 @@ def simulate(
         )
         urdfs[placement.arm_id] = urdf
         for name in joint_names(placement.arm_id):
-            # The stops lie behind the limits: the arm finds the violation before the
-            # impact.
+            # The stops are beyond the limits, so that the arm finds the violation
+            # before the impact.
             low, high = spec.joint(name).range
             spec.joint(name).range = [low - STOP_DISTANCE, high + STOP_DISTANCE]
         limits |= _velocity_limits(placement, urdf)
@@ -201,7 +201,7 @@ def simulate_one(parameters: FrankaParameters, root_params: Parameters) -> Frank
     """Return a world with the arm that the parameters describe, and with its scene.
 
     Args:
-        parameters: The arm.
+        parameters: Parameters of the arm.
         root_params: Parameters of the station's root namespace, with its `scene`.
 
     Raises:
@@ -225,7 +225,7 @@ def _make_arm(
     gravity: tuple[float, float, float],
 ) -> SimulatedArm:
     prefix = f"{placement.arm_id}_"
-    # The base's axes are the columns of its rotation.
+    # The axes of the base are the columns of its rotation.
     base = as_transform(placement.base)
     local = [
         sum(base[column + row] * gravity[row] for row in range(3))
@@ -245,13 +245,13 @@ def _make_arm(
     arm.frames.set_end_effector(
         end_effector_of(urdf, prefix, OPEN_WIDTH), nominal_frame_of(urdf, prefix)
     )
-    # After the frames: the observer's Jacobian is the one of the stiffness frame.
+    # After the frames, because the observer uses the Jacobian of the stiffness frame.
     arm.contact.renew()
     return arm
 
 
 def _stopped_at(limits: ArmLimits, urdf: Urdf, prefix: str) -> Urdf:
-    """Return the arm with the arm's position limits in place of those of the URDF."""
+    """Return the URDF with the arm's own position limits."""
     joints = dict(urdf.joints)
     for number, (lower, upper) in enumerate(
         zip(limits.lower, limits.upper, strict=True), start=1
@@ -289,7 +289,7 @@ def _velocity_limits(placement: ArmPlacement, urdf: Urdf) -> dict[str, float]:
 def _keyframes(
     placements: Sequence[ArmPlacement], urdfs: Mapping[str, Urdf]
 ) -> dict[str, dict[str, float]]:
-    """Return the poses that have a name; one name is the pose of all arms."""
+    """Return the named poses; a pose of one name has the positions of all arms."""
     found: dict[str, dict[str, float]] = {"ready": {}}
     for placement in placements:
         arm_id = placement.arm_id
@@ -338,8 +338,8 @@ def combine_descriptions(placements: Sequence[ArmPlacement]) -> str:
         for element in ET.fromstring(description.xml):
             name = element.get("name", "")
             if element.tag == "material":
-                # Arms of one kind bring the same materials; a URDF defines each name
-                # once.
+                # Arms of the same kind have the same materials, and a URDF may define
+                # each name only once.
                 if name in materials:
                     continue
                 materials.add(name)

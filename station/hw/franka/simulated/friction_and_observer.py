@@ -4,20 +4,21 @@
     sticking:  tau_s = k (z + T dq),  |tau_s|, |k z| <= static / (1 + (dq / v_s)^2)
     bending:   theta = q + compliance tau_J
     observer:  r' = gain (tau_J - M ddq - (1 + error) bias - expected - r)
-    wrench:    J J^T F = J r, without the part of what lasts that errors explain
+    wrench:    J J^T F = J r, minus the lasting part that errors explain
 
-Sliding friction is zero at rest, by its offset; there the joint sticks: its z follows
-the joint as a spring with the stiffness k = static / presliding and a damping, until
-the largest static friction is reached, which the speed lessens (C. Hess, A. Soom:
-Friction at a Lubricated Line Contact Operating at Oscillating Sliding Velocities,
-Journal of Tribology 112, 1990). Both act behind the torque sensor, so the sensor reads
-the torque that overcomes them. The observer gets what a real one has: the measured
-torques, the change of the momentum at the measured velocities, and a model that is not
-quite right.
+The sliding friction is zero at rest, by its offset. At rest the joint sticks: z follows
+the joint like a spring of stiffness k = static / presliding with damping, up to the
+largest static friction, which decreases with the speed (C. Hess, A. Soom: Friction at a
+Lubricated Line Contact Operating at Oscillating Sliding Velocities, Journal of
+Tribology 112, 1990). Both frictions act on the link's side of the torque sensor, so the
+sensor reads the torque that overcomes them. The observer has the inputs of a real one:
+the measured torques, the change of the momentum at the measured velocities, and a model
+that is not exact.
 
-In a direction in which J is nearly singular, an error of 1 Nm looks like 10 N and more.
-Errors of sensors and model change slowly, a blow does not. So what lasts is left out of
-the wrench there as far as errors explain it, and what is sudden shows in full.
+In a direction in which J is nearly singular, an error of 1 Nm looks like 10 N or more.
+Errors of sensors and model change slowly, the torques of a blow suddenly. So in such a
+direction the lasting part of the wrench is left out as far as errors explain it, and
+the sudden part is kept.
 """
 
 from collections.abc import Callable
@@ -41,14 +42,14 @@ if TYPE_CHECKING:
     from station.hw.franka.simulated.realism import Realism
 
 WEAK = 1
-"""The Jacobian was computed anew, and small torques make a large wrench at it."""
+"""The Jacobian was computed anew, and small torques make a large wrench with it."""
 TOUCHED = 2
 """A torque or a component of the wrench is above its lower threshold."""
 LOST = 4
-"""The next command is lost on its way."""
+"""The next command is lost on its way to the arm."""
 
-_LARGEST_POWER = 700.0  # the exponential of more is no finite number
-# T above [s], damping over stiffness: half of the critical damping, or more.
+_LARGEST_POWER = 700.0  # the exponential of a larger number is not finite
+# T above [s], damping over stiffness; it gives at least half of critical damping.
 _RELAXATION = 0.005
 _WEAK = WEAK
 _TOUCHED = TOUCHED
@@ -59,45 +60,47 @@ class FrictionAndObserver(Preparation):
     """Disturbs n joints, and estimates the external torques on them.
 
     Args:
-        memory: State of the joints; the velocities and torques are disturbed.
+        memory: State of the joints; its velocities and torques are disturbed.
         simulator: The simulator's memory of the joints, which follow one another from
             a fixed base.
         realism: The friction of the joints, and the errors of sensors and model.
-        fields: Returns the memory of a field of the arm's state, which has libfranka's
-            names; the memory is kept.
+        fields: Returns the memory of a field of the arm's state by libfranka's name;
+            the memory is kept.
         chain: The arm's chain of n joints, see `arm_chain`.
-        noise: Random numbers of mean 0 and variance 1, used over and over.
+        noise: Random numbers of mean 0 and variance 1, used again and again.
         period: Duration of a cycle [s], > 0.
 
     Attributes:
         level, slope, shift: The sliding friction [Nm, s/rad, rad/s], shape (n,).
-        viscous: Its part that grows with the speed [Nm s/rad], shape (n,).
+        viscous: Friction in proportion to the speed [Nm s/rad], shape (n,).
         static_friction: Largest torque at which a joint stays at rest [Nm], shape (n,).
-        stribeck_velocity: Speed v_s at which half of it is left [rad/s], > 0.
-        presliding: How far a joint turns before it slides [rad], > 0.
-        bristle: How far each joint bends before it slides, as a share of `presliding`.
+        stribeck_velocity: Speed v_s at which half of this torque is left [rad/s], > 0.
+        presliding: Angle by which a joint turns before it slides [rad], > 0.
+        bristle: Present value of this angle, as a share of `presliding`, shape (n,).
         compliance: Turn of the motor against the link [rad/Nm], shape (n,).
         torque_noise: Standard deviation of the torque sensors [Nm], shape (n,).
         torque_bias: Constant error of the torque sensors [Nm], shape (n,).
         velocity_noise: Standard deviation of the velocities [rad/s], shape (n,).
-        model_error: By which share the bias forces of the observer's model are too
-            large, shape (n,).
+        model_error: Relative error of the bias forces in the observer's model, shape
+            (n,).
         expected: Torques of a configured load [Nm], shape (n,).
-        lower: Thresholds of torques, then of the wrench, shape (n + 6,).
+        lower: Lower thresholds of the torques, then of the wrench, shape (n + 6,).
         jacobian: Jacobian of the stiffness frame, axes of the base, column-major.
         pose: Pose of the stiffness frame, 16 numbers, column-major.
         place: Positions for which Jacobian and pose were computed [rad], shape (n,).
-        reach: How far a joint may be from there [rad].
+        reach: Largest distance of a joint from these positions [rad].
         gain: Share of the difference by which the estimate moves in a cycle, 0 to 1.
         singular: Smallest singular value of a Jacobian that gives a wrench.
         reliable: Singular value above which no direction is weak.
         has_wrench: Whether the Jacobian is far enough from singular.
-        weak: In how many directions small torques make a large wrench, 0 to 6.
-        directions: Those directions, unit wrenches one after another, shape (36,).
-        shares: Part of the wrench in each, per torque of each joint, shape (6 n,).
-        doubt: Largest part in each that errors of the torques explain, shape (6,).
+        weak: Number of directions in which small torques make a large wrench, 0 to 6.
+        directions: These directions, unit wrenches one after another, shape (36,).
+        shares: Part of the wrench in each direction, per torque of each joint, shape (6
+            n,).
+        doubt: Largest part in each direction that errors of the torques explain, shape
+            (6,).
         lasting_gain: Share by which `lasting` follows the estimate in a cycle, 0 to 1.
-        cycles_to_loss: After how many cycles a command is lost; 0: never.
+        cycles_to_loss: Number of cycles until a command is lost; 0 for never.
     """
 
     def __init__(
@@ -157,7 +160,7 @@ class FrictionAndObserver(Preparation):
         self.directions = zeros(36)
         self.shares = zeros(6 * size)
         self.doubt = zeros(6)
-        self.lasting = zeros(size)  # the estimate without what is sudden
+        self.lasting = zeros(size)  # the estimate without sudden changes
         self.lasting_gain = 1.0
         self.following = 1.0
         self.cycles_to_loss = 0
@@ -168,7 +171,7 @@ class FrictionAndObserver(Preparation):
         self.momentum = zeros(size)
 
     def rest(self) -> None:
-        """Begin anew at rest: no estimate, and the first random numbers again."""
+        """Begin anew at rest, without an estimate and with the first random numbers."""
         self.drawn = 0
         for i in range(self.size):
             self.velocity[i] = 0.0
@@ -181,7 +184,7 @@ class FrictionAndObserver(Preparation):
             self.turned[i] = 0.0
 
     def renew_jacobian(self) -> bool:
-        """Compute Jacobian and pose of the stiffness frame where the joints are.
+        """Compute Jacobian and pose of the stiffness frame at the present positions.
 
         Returns:
             See `factorise_jacobian`.
@@ -195,8 +198,8 @@ class FrictionAndObserver(Preparation):
     def factorise_jacobian(self) -> bool:
         """Factorise the Jacobian, and find out whether some directions are weak.
 
-        The torques determine a wrench poorly in a weak direction: the arm is close to
-        a singularity there.
+        In a weak direction the torques determine a wrench poorly, because the arm is
+        close to a singularity.
 
         Returns:
             Whether the caller has to compute the weak directions.
@@ -208,7 +211,7 @@ class FrictionAndObserver(Preparation):
         is_reliable = self.has_wrench and equation.factorise(
             jacobian, -reliable * reliable
         )
-        # Last, because the equation solves with the factors that it computed last.
+        # Last, because the equation solves with the factors of its last factorisation.
         if self.has_wrench:
             self.has_wrench = equation.factorise(jacobian, 0.0)
         for i in range(self.size):
@@ -216,7 +219,7 @@ class FrictionAndObserver(Preparation):
         return self.has_wrench and not is_reliable
 
     def prepare_step(self) -> None:
-        """Let the friction act in the coming step."""
+        """Apply the friction in the coming step."""
         velocities, applied = self.simulator.velocities, self.simulator.applied
         level, slope, shift = self.level, self.slope, self.shift
         offset, static_friction = self.offset, self.static_friction
@@ -231,7 +234,8 @@ class FrictionAndObserver(Preparation):
                 power = _LARGEST_POWER
             sliding = level[i] / (1.0 + exponential(power)) - offset[i]
             sliding += viscous[i] * velocity
-            # Shares of the static friction: what the speed leaves, and what acts.
+            # Shares of the static friction: the largest one at this speed, and the
+            # acting one.
             relative = velocity * share
             most = 1.0 / (1.0 + relative * relative)
             bend = bristle[i] + turn * velocity
@@ -248,10 +252,10 @@ class FrictionAndObserver(Preparation):
             applied[i] = -sliding - static_friction[i] * bend
 
     def sense(self) -> int:
-        """Disturb the readings of the last step, and bring the estimates up to date.
+        """Disturb the readings of the last step, and update the estimates.
 
         Returns:
-            A sum of `WEAK`, `TOUCHED` and `LOST`; mostly 0.
+            A sum of `WEAK`, `TOUCHED` and `LOST`; usually 0.
         """
         self.disturb()
         self.observe()
@@ -260,7 +264,7 @@ class FrictionAndObserver(Preparation):
         positions, place, reach = self.memory.positions, self.place, self.reach
         for i in range(self.size):
             if abs(positions[i] - place[i]) > reach:
-                # From the next cycle on.
+                # The new Jacobian is used from the next cycle on.
                 if self.renew_jacobian():
                     result += _WEAK
                 break
@@ -294,7 +298,7 @@ class FrictionAndObserver(Preparation):
         self.drawn = drawn
 
     def settle_elasticity(self) -> None:
-        """Turn the motors against the links as the torques between them demand."""
+        """Turn the motors against the links as the torques between them require."""
         memory, theta, compliance = self.memory, self.theta, self.compliance
         positions, tau = memory.positions, memory.tau_J
         for i in range(self.size):
@@ -309,8 +313,8 @@ class FrictionAndObserver(Preparation):
         rate, model_error, expected = self.rate, self.model_error, self.expected
         lasting, following = self.lasting, self.following
         for i in range(self.size):
-            # A row of the inertia matrix ends with its diagonal element. The rotors
-            # turn before the torque sensors.
+            # A row of the inertia matrix ends with its diagonal element. The rotors are
+            # on the motor's side of the torque sensors, so they are left out.
             row = diagonal[i] - i
             own = change[i]
             total = (inertia[row + i] - armature[i]) * own
@@ -324,12 +328,12 @@ class FrictionAndObserver(Preparation):
             external = tau[i] - needed - expected[i]
             estimate[i] += gain * (external - estimate[i])
             lasting[i] += following * (estimate[i] - lasting[i])
-        # A mean of all cycles at first: what acts from the beginning is not sudden.
+        # At first a mean of all cycles: what acts from the beginning is not sudden.
         if following > self.lasting_gain:
             self.following = following / (1.0 + following)
 
     def compute_wrench(self) -> None:
-        """Compute the wrench that belongs to the estimated torques, or 0."""
+        """Compute the wrench of the estimated torques, or 0 near a singular pose."""
         wrench, turned, pose = self.wrench, self.turned, self.pose
         jacobian, estimate = self.jacobian, self.estimate
         u = v = w = a = b = c = 0.0

@@ -4,8 +4,8 @@
 
 The terms of the impedance in q and dq are part of the simulator's motor model.
 
-The motors of a real arm act on a command in the cycle after the one in which it is
-noticed: so do these when they are late.
+A real arm's motors act on a command in the cycle after the one in which the arm reports
+the command. So do these motors if they are late.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from station.memory.vectors import copy_into
 
 
 class JointMotors:
-    """Computes controls and reads torques of n joints; all memory is given or in place.
+    """Computes controls and reads torques of n joints; it works on given memory.
 
     Args:
         memory: State and commands of the joints.
@@ -30,7 +30,7 @@ class JointMotors:
         stiffness: Stiffness of the impedance [Nm/rad], shape (n,).
         damping: Damping of the impedance [Nm s/rad], shape (n,).
         load_weight: Torques that carry a configured load [Nm], shape (n,).
-        is_loaded: Whether one of them is not 0.
+        is_loaded: Whether any of these torques is not 0.
         is_late: Whether the motors act on commands one cycle later.
         torques_act: Whether the motors follow commanded torques.
         is_cartesian: Whether the arm itself computes the torques, see `ArmMotors`.
@@ -48,11 +48,11 @@ class JointMotors:
         self.damping = own(none)
         self.load_weight = own(none)
         self.is_loaded = False
-        # These never change in a simulation.
+        # These stay the same during a simulation.
         self.limits = own(simulator.limits)
         self.passive = own(simulator.passive_damping)
-        # Torque that changes a rotor's velocity within a step [Nm s/rad], and that and
-        # the friction together.
+        # Torque that changes a rotor's velocity within a step [Nm s/rad], and the sum
+        # of this and the friction.
         self.rotor = own([inertia / period for inertia in simulator.armature])
         both = zip(self.rotor, self.passive, strict=True)
         self.drag = own([inertia + friction for inertia, friction in both])
@@ -60,14 +60,14 @@ class JointMotors:
         self.torques_act = False
         self.is_cartesian = False
         self.is_new = True
-        # What was wanted in the cycle before.
+        # Commands of the cycle before, for late motors.
         self.late_torques = own(none)
         self.late_q = own(none)
         self.late_dq = own(none)
         self.late_ddq = own(none)
 
     def engage(self, stiffness: Sequence[float], damping: Sequence[float]) -> None:
-        """Let an impedance act from the next step on, and forget the noted motion.
+        """Let an impedance act from the next step on, and forget the stored motion.
 
         Args:
             stiffness: Stiffness of the joints [Nm/rad], shape (n,).
@@ -108,8 +108,8 @@ class JointMotors:
         """Let the motors follow the desired motion.
 
         Args:
-            notes: Whether to note the torques of the impedance as `tau_J_d`, within the
-                limits.
+            notes: Whether to write the torques of the impedance to `tau_J_d`, within
+                the limits.
         """
         memory = self.memory
         q, dq = memory.positions, memory.dtheta
@@ -119,7 +119,7 @@ class JointMotors:
         simulator = self.simulator
         bias, compensation = simulator.bias, simulator.compensation
         if is_late:
-            # What was noted belongs to another motion: the motors would jump there.
+            # The stored motion belongs to another motion: the motors would jump to it.
             if self.is_new:
                 self.note_motion()
             q_d, dq_d, ddq_d = self.late_q, self.late_dq, self.late_ddq
@@ -144,7 +144,7 @@ class JointMotors:
             self.note_motion()
 
     def note_motion(self) -> None:
-        """Note the desired motion for the next cycle."""
+        """Store the desired motion for the next cycle."""
         memory = self.memory
         q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
         late_q, late_dq, late_ddq = self.late_q, self.late_dq, self.late_ddq
@@ -170,7 +170,7 @@ class JointMotors:
         if cython.compiled:
             copy_into(memory.last_tau_J, 0, tau, self.size)
         else:
-            # The same, without a call of Python around it.
+            # The same without a Python call around it.
             memory.last_tau_J[:] = tau
         for i in range(self.size):
             velocity, force = velocities[i], motor_forces[i]
@@ -179,7 +179,7 @@ class JointMotors:
             torque += rotor[i] * before - drag[i] * velocity
             if damper != 0.0:
                 limit = limits[i]
-                # A motor at its limit does not damp: its force has been cut off.
+                # A motor at its limit does not damp, because its force is cut off.
                 if -limit < force < limit:
                     torque -= damper * (velocity - before)
             tau[i] = torque
@@ -193,7 +193,7 @@ class JointMotors:
             memory.dq[:] = dtheta[:] = velocities
 
     def differentiate(self) -> None:
-        """Write the rates of the torques; few read them, so not in every cycle."""
+        """Write the rates of the torques; not in every cycle, because few read them."""
         memory, period = self.memory, self.period
         tau, last, dtau = memory.tau_J, memory.last_tau_J, memory.dtau_J
         for i in range(self.size):

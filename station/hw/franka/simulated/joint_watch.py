@@ -1,8 +1,8 @@
 """Compare the measured state of an arm with its limits, in every cycle.
 
-Speeds and deviations of the joints are added up first: no point of the arm can be
-faster, or further away, than if all joints turned about the same axis. The end effector
-is computed only when that sum exceeds its limits.
+Speeds and deviations of the joints are summed up first: no point of the arm can be
+faster, or farther away, than if all joints turned about the same axis. The end effector
+is computed only if that sum exceeds its limits.
 """
 
 from station.core.franka.joint_memory import JointMemory
@@ -31,7 +31,7 @@ from station.hw.franka.simulated.violations import (
 from station.memory.doubles import Doubles, own, zeros
 from station.memory.functions import square_root
 
-# Larger than the distance of any end effector from any joint axis [m].
+# Larger than any distance of an end effector from a joint axis [m].
 _REACH = 1.3
 
 
@@ -49,8 +49,8 @@ class JointWatch:
 
     Attributes:
         violations: Violations in the last cycle.
-        room: How far a point of the arm may still move until a distance may have become
-            too short [m].
+        room: Distance that a point of the arm may still move before a distance between
+            links or to a wall can be too short [m].
         is_alert: Whether a reading had to be examined in the cycle before.
     """
 
@@ -80,8 +80,8 @@ class JointWatch:
         self.lower = own([value - tolerance for value in limits.lower])
         self.upper = own([value + tolerance for value in limits.upper])
         factor = thresholds.velocity_factor
-        # Taken from the largest velocity: a limit that depends on the position goes to
-        # 0, where a share of it would leave no room for noise.
+        # Taken from the largest velocity: limits that depend on the position go to 0,
+        # where a share of them would leave no room for noise.
         slack = [value * factor - value for value in limits.velocity]
         pairs = [*zip(limits.velocity, slack, strict=True)]
         self.slowest = own([-value - slack for value, slack in pairs])
@@ -116,20 +116,20 @@ class JointWatch:
         lower, upper, largest = self.lower, self.upper, self.torque
         slowest, fastest = self.slowest, self.fastest
         total = power = away = 0.0
-        # How far a joint of 1 rad/s may have moved any point of the arm.
+        # Distance that any point of the arm may have moved by a joint of 1 rad/s.
         reach = self.reach_in_a_cycle if has_moved else 0.0
         violations.count = 0
         if self.curves.size:  # where the joints are
             self.curves.put(memory.positions, slowest, fastest)
         for i in range(self.size):
             position, velocity, torque = q[i], dq[i], tau[i]
-            # Written with `not`, so that NaN violates the limit.
+            # `not … <=`, so that NaN violates the limit.
             if not lower[i] <= position <= upper[i]:
                 bound = min(self.limits.upper[i], upper[i])
                 if position < lower[i]:
                     bound = max(self.limits.lower[i], lower[i])
                 violations.add(MEASURED_POSITION, i, position, bound)
-            # Without the calls that `abs` is where this is interpreted.
+            # Without `abs`, whose call costs time in Python.
             if velocity < 0.0:
                 if not slowest[i] <= velocity:
                     self.note_velocity(i)
@@ -151,8 +151,8 @@ class JointWatch:
             or away > self.rotation
             or away > self.elbow
         )
-        # Distances take long to compute: only when they may have become too short.
-        # No distance shrinks faster than if all joints together turned the longest
+        # Distances take long to compute, so only when they may have become too short.
+        # No distance shrinks faster than if all joints turned together at the longest
         # reach.
         self.room -= total * reach
         if not self.room > 0.0:
@@ -168,7 +168,7 @@ class JointWatch:
         return violations.count > 0
 
     def note_velocity(self, joint: int) -> None:
-        """Note that the velocity of a joint is beyond its limits."""
+        """Add the violation of a joint whose velocity is beyond its limits."""
         velocity = self.memory.dtheta[joint]
         slowest, fastest = self.limits.velocity_range(
             joint, self.memory.positions[joint]
@@ -197,7 +197,7 @@ class JointWatch:
         self.room = room
 
     def check_speed(self) -> None:
-        """Compare the speed of the end effector, which `place` has placed."""
+        """Compare the speed of the end effector at its placed pose with its limit."""
         zero_jacobian(self.links, self.pose, self.jacobian)
         twist_of(self.jacobian, self.memory.dtheta, self.twist)
         speed = _length(self.twist)

@@ -1,10 +1,10 @@
 """Check a commanded motion as the arm receives it.
 
-Derivatives are backward differences over one cycle, from the values accepted last.
+Derivatives are backward differences over one cycle, from the last accepted values.
 
 Source: Franka Control Interface documentation, Robot and interface specifications,
-necessary conditions; libfranka@0.15.0 include/franka/errors.h, the position limits that
-an FR3 never reports.
+necessary conditions; libfranka@0.15.0 include/franka/errors.h, for the position limits
+that an FR3 never reports.
 """
 
 from math import inf
@@ -37,7 +37,7 @@ _AT_VELOCITY_LIMIT = 1e-9
 class MotionCheck:
     """Compares the commands of an arm with its limits.
 
-    Every check returns how many violations there are in this cycle.
+    Every check returns the number of violations in this cycle.
 
     Args:
         memory: State and commands of the joints.
@@ -55,7 +55,7 @@ class MotionCheck:
         margins = [-_AT_VELOCITY_LIMIT] * memory.size
         self.curves = VelocityCurves(limits.velocity, limits.curves, margins)
         self.before = own_zeros(memory.size)
-        # Limits that depend on the position bring the velocity to 0 before the limit.
+        # Limits that depend on the position make the velocity 0 before the limit.
         room = inf if limits.curves else _AT_LIMIT
         self.lower = own([value - room for value in limits.lower])
         self.upper = own([value + room for value in limits.upper])
@@ -124,7 +124,7 @@ class MotionCheck:
         Args:
             q: Next positions [rad], shape (7,).
             dq: Velocities that lead there [rad/s], shape (7,).
-            code: See `check_positions`; those of the rates follow it.
+            code: See `check_positions`; the codes of the rates follow this code.
         """
         last_dq, last_ddq = self.memory.dq_d, self.memory.ddq_d
         lower, upper = self.lower, self.upper
@@ -140,7 +140,8 @@ class MotionCheck:
             position, velocity = q[i], dq[i]
             acceleration = (velocity - last_dq[i]) / period
             jerk = (acceleration - last_ddq[i]) / period
-            # A joint beyond its limit may stay or come back, or it could never return.
+            # A joint beyond its limit may stay or come back; otherwise it could never
+            # return.
             if position > upper[i] and velocity > 0.0:
                 violations.add(code, i, position, self.limits.upper[i])
             elif position < lower[i] and velocity < 0.0:
@@ -160,17 +161,17 @@ class MotionCheck:
     def check_torques(self) -> int:
         """Compare the commanded torques with the limit of their rate.
 
-        They may continue the torques of the motors, which saturate, or those that were
-        commanded before.
+        They may continue the torques of the motors, which saturate, or the torques that
+        were commanded before.
         """
         memory, largest = self.memory, self.torque_step
         lowest = -largest
         tau, last, sent = memory.torques, memory.tau_J_d, memory.sent
         for i in range(self.size):
-            # Without the call of `abs` where this is interpreted.
+            # Without `abs`, whose call costs time in Python.
             if not lowest <= tau[i] - last[i] <= largest:
-                # `tau_J_d` is cut off at the motor's limit: a client that goes on
-                # asking for more makes no step.
+                # `tau_J_d` is cut off at the motor's limit: a client that keeps asking
+                # for more makes no step.
                 step = min(abs(tau[i] - last[i]), abs(tau[i] - sent[i]))
                 if step > largest:
                     rate = self.limits.torque_rate
@@ -222,9 +223,9 @@ class MotionCheck:
         """Compare the next step of the elbow with its limits.
 
         Args:
-            velocity: Of joint 3 [rad/s].
-            acceleration: Of joint 3 [rad/s^2].
-            jerk: Of joint 3 [rad/s^3].
+            velocity: Velocity of joint 3 [rad/s].
+            acceleration: Acceleration of joint 3 [rad/s^2].
+            jerk: Jerk of joint 3 [rad/s^3].
         """
         self.check_bounds(6, velocity, acceleration, jerk, self.elbow)
         return self.violations.count
@@ -240,11 +241,11 @@ class MotionCheck:
         """Compare the translation, the rotation or the elbow with its limits.
 
         Args:
-            first: Distance of its codes from those of the translation.
-            velocity: Its velocity, per second.
-            acceleration: Its acceleration, per second squared.
-            jerk: Its jerk, per second cubed.
-            bounds: Their limits.
+            first: Offset of its codes from those of the translation.
+            velocity: Velocity [m/s or rad/s].
+            acceleration: Acceleration [m/s^2 or rad/s^2].
+            jerk: Jerk [m/s^3 or rad/s^3].
+            bounds: Limits of velocity, acceleration and jerk.
         """
         violations = self.violations
         if abs(velocity) > bounds[0] * _ROUNDING:

@@ -1,6 +1,6 @@
-"""The way of an arm's joints to positions that its client names, planned by the arm.
+"""The motion of joints to target positions, planned by the arm itself.
 
-Ruckig plans it anew whenever the target changes, within the limits of the arm and the
+Ruckig plans it anew when the target changes, within the limits of the arm and the
 velocities that the client allows. All joints arrive together.
 """
 
@@ -12,10 +12,10 @@ from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.memory.doubles import Doubles, Storage, put, zeros
 
-# How far ahead a joint looks for the velocity limit at its position [s]. The limit
-# falls by up to 17 rad/s^2, faster than the joints may slow down.
+# Time ahead at which a joint's velocity limit is looked up [s]. The limit decreases by
+# up to 17 rad/s^2, faster than the joints may slow down.
 _FORESIGHT = 0.03
-# Lowest bound of a velocity that is planned with [rad/s]; Ruckig knows none of 0.
+# Lowest velocity bound for a plan [rad/s]; Ruckig accepts no bound of 0.
 _SLOWEST = 1e-3
 
 
@@ -42,12 +42,12 @@ class PlannedMotion:
         plan.current_acceleration = [*memory.ddq_d]
 
     def aim(self, q: Storage, fastest: Sequence[float]) -> None:
-        """Make positions the target.
+        """Set target positions.
 
         Args:
             q: Positions within the limits [rad], shape (n,).
             fastest: Largest velocities, > 0 [rad/s], shape (n,); the arm's own limits
-                hold besides.
+                apply, too.
         """
         pairs = zip(fastest, self._limits.velocity, strict=True)
         self._fastest = [min(pair) for pair in pairs]
@@ -55,14 +55,14 @@ class PlannedMotion:
         self._input.max_velocity = self._fastest
 
     def advance(self) -> Doubles:
-        """Return the positions of the next cycle [rad], shape (n,), always in place."""
+        """Return the positions of the next cycle [rad], shape (n,), in the same memory."""
         if self._limits.curves:
             self._bend_velocity_limits()
         try:
             self._ruckig.update(self._input, self._output)
         except RuckigError:
-            # Rarely there is no plan in which all joints arrive together, but one in
-            # which each arrives by itself.
+            # In rare cases no plan lets all joints arrive together; then each joint
+            # arrives by itself.
             self._input.synchronization = Synchronization.No
             self._ruckig.update(self._input, self._output)
             self._input.synchronization = Synchronization.Time
@@ -71,7 +71,7 @@ class PlannedMotion:
         return self._next
 
     def _bend_velocity_limits(self) -> None:
-        """Slow the plan down where joints come near their limits."""
+        """Slow the plan down where joints approach position-dependent limits."""
         plan = self._input
         ahead = zip(plan.current_position, plan.current_velocity, strict=True)
         highest, lowest = [], []

@@ -1,10 +1,10 @@
-"""The differences of a real Franka arm from the ideal one, with their sources.
+"""The differences between a real Franka arm and an ideal one, with their sources.
 
 The figures of the sensors come from a published recording of a Panda: 19 s of an
 exciting trajectory with the joint torques, positions and velocities of every cycle, in
 the repository of [1] (matlab/data/Exciting_Traj/Trajectory_1/rbt_log). White noise is
 the median absolute third difference over 0.6745 sqrt(20). Bias and model error are mean
-and spread of what remains of the torques after inverse dynamics of the URDF (without a
+and spread of the torques that remain after inverse dynamics of the URDF (without a
 hand, filtered at 10 Hz) and after the friction of [1]; the spread is given as a share
 of the spread of the torques.
 
@@ -20,9 +20,9 @@ of the spread of the torques.
 [3] Franka Control Interface documentation, Getting started, the output of
     echo_robot_state: `theta`, `q` and `tau_J` of one moment.
 [4] Franka Control Interface documentation, Minimum system and network requirements: the
-    way there and back, the client's computation, and the robot's processing and its
-    step of the internal controller take less than 1 ms together, or the command is
-    dropped. It acts when that millisecond is over.
+    round trip, the client's computation, and the robot's processing and its step of the
+    internal controller must take less than 1 ms together, or the command is dropped. It
+    acts when that millisecond is over.
 """
 
 from dataclasses import dataclass, replace
@@ -33,27 +33,27 @@ class Realism:
     """The disturbances of an arm; tuples have one number per joint, shape (7,).
 
     Attributes:
-        friction_level: Friction at high speed forwards plus that backwards [Nm].
-        friction_slope: How suddenly the friction rises with the speed [s/rad].
-        friction_shift: Makes it larger one way than the other; 0: both alike [rad/s].
-        viscous: Friction that grows with the speed without end [Nm s/rad].
+        friction_level: Friction at high speed forwards plus friction backwards [Nm].
+        friction_slope: Steepness of the rise of the friction with the speed [s/rad].
+        friction_shift: Makes the friction larger in one direction; 0 for equal [rad/s].
+        viscous: Friction in proportion to the speed [Nm s/rad].
         static_friction: Largest torque at which a joint stays at rest [Nm].
-        stribeck_velocity: Speed at which half of that is left [rad/s].
-        presliding: How far a joint turns before it slides [rad].
-        joint_stiffness: Stiffness between motor and link [Nm/rad]: `theta` differs
-            from `q` by the torque over it. The links move as if it were rigid.
+        stribeck_velocity: Speed at which half of this torque is left [rad/s].
+        presliding: Angle by which a joint turns before it slides [rad].
+        joint_stiffness: Stiffness between motor and link [Nm/rad]: `theta` differs from
+            `q` by the torque over the stiffness. The links move as if it were rigid.
         torque_noise: Standard deviation of the torque sensors in a cycle [Nm].
         torque_bias: Constant error of the torque sensors [Nm].
         velocity_noise: Standard deviation of the velocities in a cycle [rad/s].
-        model_error: By which share gravity and Coriolis torques of the arm's own model
-            are too large.
-        torque_error: How far bias, friction and model error together put the estimated
-            external torques off in one direction of the joints [Nm].
+        model_error: Relative error of gravity and Coriolis torques in the arm's own
+            model.
+        torque_error: Error that bias, friction and model error together cause in the
+            estimated external torques, in one direction of the joints [Nm].
         observer_frequency: Cutoff of the observer of external torques [Hz].
         losses: Share of the cycles in which a command is lost on its way, 0 to 1.
         commands_are_late: Whether a command acts in the cycle after the one in which
             the arm reports it as desired.
-        seed: Of the random numbers.
+        seed: Seed of the random numbers.
     """
 
     friction_level: tuple[float, ...]
@@ -75,15 +75,15 @@ class Realism:
     seed: int = 0
 
     def with_friction(self, joint: int, coulomb: float, viscous: float) -> "Realism":
-        """Return the arm with the friction of a joint that was identified.
+        """Return the arm with the identified friction of a joint.
 
-        How the friction rises from rest is kept, and the static one in proportion: a
-        motion that identifies does not show them.
+        The shape of the friction near rest is kept, and the static friction in
+        proportion, because the motions of an identification do not show them.
 
         Args:
             joint: Number of the joint, from 0.
-            coulomb: Mean of the friction both ways without the viscous part [Nm].
-            viscous: [Nm s/rad]
+            coulomb: Mean friction of both directions without the viscous part [Nm].
+            viscous: Viscous friction [Nm s/rad].
         """
         level = 2.0 * coulomb
         static = self.static_friction[joint] * level / self.friction_level[joint]
@@ -105,31 +105,31 @@ TYPICAL = Realism(
     friction_slope=(5.1181, 9.0657, 10.136, 5.5903, 8.3469, 17.133, 10.336),
     friction_shift=(0.03953, 0.02588, -0.04607, 0.03619, 0.02623, -0.02105, 0.00355),
     viscous=(0.0,) * 7,  # [1] has none
-    # The torques of [2], 0.83, 1.00, 0.89, 1.29, 0.81, 0.59 and 0.41 Nm, without what
-    # the torque grows by while the joint begins to slide.
+    # The torques of [2], 0.83, 1.00, 0.89, 1.29, 0.81, 0.59 and 0.41 Nm, minus the
+    # increase of the torque while the joint begins to slide.
     static_friction=(0.70, 0.79, 0.725, 1.145, 0.75, 0.515, 0.34),
     # Assumptions: not published. From 0.1 rad/s on, the static friction adds
     # less than 0.05 Nm to the curve of [1]; below, a joint turns by less than the
     # repeatability of 0.1 mm at the end of the arm.
     stribeck_velocity=0.02,
     presliding=1e-4,
-    # [3]: (theta - q) K = tau_J holds for all joints, to the last digit that is shown.
+    # [3]: (theta - q) K = tau_J holds for all joints, to the last digit shown.
     joint_stiffness=(7000.0,) * 7,
-    # The recording, see above.
+    # From the recording, see above.
     torque_noise=(0.059, 0.050, 0.059, 0.050, 0.024, 0.025, 0.040),
     torque_bias=(-0.15, -0.40, 0.01, 0.03, -0.02, 0.03, 0.0),
     velocity_noise=(0.0027, 0.0031, 0.0026, 0.0028, 0.0025, 0.0032, 0.0033),
     model_error=(0.09, 0.025, 0.025, 0.05, 0.15, 0.09, 0.24),
-    # What the figures above cause: in 1000 random motions in the whole range of the
+    # The effect of the figures above: in 1000 random motions in the whole range of the
     # joints at most 2.7 Nm in the weakest direction of the wrench, 1.9 Nm in 99.9 %.
     torque_error=2.0,
     # Assumptions: not published. With 15 Hz the noise of the estimate stays
     # below 0.5 Nm, far below the smallest default threshold, and a contact is reported
     # within the 50 ms that the Panda's data sheet names as reaction time.
     observer_frequency=15.0,
-    # libfranka's examples/communication_test.cpp calls 95 % of commands received
+    # libfranka's examples/communication_test.cpp calls 95 % of received commands
     # acceptable; a good network loses one in a thousand.
     losses=0.001,
     commands_are_late=True,  # [4]
 )
-"""A Panda as it was measured."""
+"""A Panda with its measured disturbances."""

@@ -8,7 +8,7 @@ from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints
 
 LONGEST_DELAY = 500
-"""Most nominal periods by which a cycle of the loop can be delayed."""
+"""Largest number of nominal periods by which a cycle of the loop can be delayed."""
 # Damping of a stuck joint [Nm s/rad].
 # The 87 Nm of the strongest joint turn it by less than 1e-4 rad/s.
 _STUCK_DAMPING = 1e6
@@ -20,8 +20,8 @@ class SensorFaults:
 
     Args:
         world: The world.
-        joints: The arm's joints in it.
-        hand: Body that a collision hits.
+        joints: The arm's joints in the world.
+        hand: Name of the body that a collision hits.
     """
 
     def __init__(self, world: World, joints: WorldJoints, hand: str) -> None:
@@ -39,9 +39,9 @@ class SensorFaults:
         return bool(self._lost or self._stuck or self._blind or self._drops)
 
     def inject(self, fault: SimulatedFault) -> None:
-        """Begin a fault; a present fault of the same kind ends.
+        """Begin a fault; an active fault of the same kind ends.
 
-        The control loop carries out a delayed cycle; only its length is checked here.
+        A delayed cycle is carried out by the control loop; only its length is checked.
 
         Raises:
             InvalidCommandError: A cycle would be delayed for too long.
@@ -90,7 +90,7 @@ class SensorFaults:
         return found
 
     def count_step(self) -> None:
-        """Count the cycles of stuck joints down."""
+        """Count down the cycles of stuck joints."""
         for index, left in list(self._stuck.items()):
             if left > 0:
                 self._stuck[index] = left - 1
@@ -98,14 +98,14 @@ class SensorFaults:
                 self._free(index)
 
     def loses_packet(self) -> bool:
-        """Return whether this cycle's command is lost; counts the cycle."""
+        """Return whether this cycle's command is lost; count the cycle."""
         if not self._lost:
             return self._drops
         self._lost -= 1
         return True
 
     def drop(self) -> None:
-        """Lose the next command, as a network does now and then: no fault."""
+        """Lose the next command, as a network sometimes does; this is not a fault."""
         self._drops = True
 
     def finish_cycle(self) -> None:

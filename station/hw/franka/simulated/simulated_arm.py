@@ -33,11 +33,11 @@ _ZEROS = [0.0] * 7
 class SimulatedArm(RobotArm):
     """An arm in a `World`; several arms may share one.
 
-    The world makes a step when one of its arms asks for a state beyond the present one.
-    Arms that are all read once per cycle therefore stay in lockstep.
+    The world makes a step when one of its arms asks for a state after the present one.
+    So arms that are all read once per cycle stay in step.
 
-    A motion under torque control starts from rest: the internal controller brings a
-    moving arm to rest first, and only then the torques act.
+    A motion under torque control starts from rest: the internal controller first brings
+    a moving arm to rest, and only then the torques act.
 
     Args:
         world: The world, with gravity compensation for this arm.
@@ -75,7 +75,7 @@ class SimulatedArm(RobotArm):
         self._accelerometers = Accelerometers(self.state, self._memory)
         call_directly(self, SimulatedArm, read_once=self._step.read_state)
         self.after_reset()
-        # Preparations run in the order of their adding: friction acts before the arm.
+        # Preparations run in the order in which they are added: friction acts first.
         if self.contact.observer is not None:
             world.add_preparation(self.contact.observer)
         world.add_actor(self, self._step)
@@ -189,10 +189,10 @@ class SimulatedArm(RobotArm):
         self.contact.renew()
 
     def set_mounted(self, end_effector: Load, nominal_frame: Sequence[float]) -> None:
-        """Report another end effector in the state; the simulated bodies stay.
+        """Report another end effector in the state; the simulated bodies do not change.
 
         Args:
-            end_effector: Its mass properties.
+            end_effector: Mass properties of the end effector.
             nominal_frame: F_T_NE, 16 numbers.
 
         Raises:
@@ -255,14 +255,14 @@ class SimulatedArm(RobotArm):
     def after_reset(self) -> None:
         """Read the pose to which the world was set, with all velocities zero.
 
-        A running motion goes on with its next command.
+        A running motion continues with its next command.
         """
         state = self.state
         self._step.read_rest()
         self._accelerometers.forget()
         self._motion.seed(self._memory.positions, _ZEROS)
         self.motors.engage_joint_impedance()
-        # A motion that runs goes on after a reset, by the controller that it has.
+        # A running motion continues after a reset, with its own controller.
         if self._modes.controller is ControllerMode.CARTESIAN_IMPEDANCE:
             self.motors.engage_cartesian_impedance()
         self._faults.clear()

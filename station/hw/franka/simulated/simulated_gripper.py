@@ -32,7 +32,7 @@ class SimulatedGripper:
     ) -> None:
         self._world = world
         self._finger = world.joints([finger_joint])
-        # The second finger follows the first: the motor moves both.
+        # The second finger follows the first, so the motor moves both.
         inertia = 2.0 * self._finger.read_inertia()[0]
         self._damping = 2.0 * sqrt(_STIFFNESS * inertia)
         self.effort_limit = self._finger.effort_limits[0] / 2.0
@@ -68,13 +68,13 @@ class SimulatedGripper:
         return FingerSensor(self._memory, positions, velocities, efforts)
 
     def read_time(self) -> float:
-        """Return the simulated time since the world exists [s], resets included."""
+        """Return the simulated time since the world was made [s], resets included."""
         return self._world.step_count * self._world.timestep
 
     def hold(
         self, width: float, *, speed: float = 2.0 * _SPEED, force: float | None = None
     ) -> None:
-        """Go to a width and stay there.
+        """Go to a width and hold it.
 
         Args:
             width: Distance between the fingers [m].
@@ -82,27 +82,27 @@ class SimulatedGripper:
             force: Largest force of each finger, > 0 [N]; None takes `effort_limit`.
         """
         motor = self._motor
-        # After a force the servo starts from where the fingers are, without a jump.
+        # After a force the servo starts from the present position, without a jump.
         if not self._servo[0]:
             self._set_servo(_STIFFNESS, self._damping)
             motor.place = self.read_position()
         motor.step = speed / 2.0 * self._world.timestep
-        # A target farther ahead would press harder, and blocked fingers ever harder.
+        # A target farther ahead would press blocked fingers more and more.
         motor.reach = 2.0 * (self.effort_limit if force is None else force) / _STIFFNESS
         motor.target = width / 2.0
 
     def press(self, force: float, *, is_damped: bool = False) -> None:
-        """Let the motor give a force, without regard to the width.
+        """Make the motor give a force, whatever the width.
 
         Args:
-            force: On each finger [N], > 0 opens.
+            force: Force on each finger [N], > 0 opens.
             is_damped: Whether to damp the motion of the fingers.
         """
         self._set_servo(0.0, self._damping if is_damped else 0.0)
         self._motor.force = 2.0 * force
 
     def after_reset(self) -> None:
-        """Hold the width of the beginning again."""
+        """Hold the initial width again."""
         self.hold(self._start_width)
         self._motor.place = self.read_position()
 

@@ -1,6 +1,6 @@
-"""The limits that a command or a reading of an arm violates: codes, and their errors.
+"""The limits that a command or a reading of an arm violates, as codes and as errors.
 
-A check compares numbers and leaves codes. Only here do codes become `ArmError`.
+A check compares numbers and stores codes. Only this module turns codes into `ArmError`.
 """
 
 from station.core.franka.franka_errors import ArmError
@@ -8,7 +8,7 @@ from station.hw.franka.arm.self_collision import LINKS_OF_PAIR
 from station.memory.doubles import zeros
 
 CAPACITY = 32
-"""Most violations that one check finds: four of each joint, and some of the whole."""
+"""Most violations of one check: four of each joint, and some of the whole arm."""
 _COLUMNS = 4
 
 (
@@ -52,7 +52,7 @@ _PATH = ("translation", "rotation", "elbow")
 _JOINT_MOTION = "joint_motion_generator"
 _CARTESIAN = "cartesian_motion_generator"
 _ELBOW_LIMIT = f"{_CARTESIAN}_elbow_limit_violation"
-# Name of the error, its unit, and the parts of the arm, of each code.
+# For each code: name of the error, its unit, and the names of its parts.
 _WORDS: tuple[
     tuple[str, str | tuple[str, ...], tuple[str, ...] | dict[int, str]], ...
 ] = (
@@ -95,7 +95,7 @@ class Violations:
     """The findings of a check, in memory that is made once.
 
     Attributes:
-        count: How many violations there are; 0 forgets them.
+        count: Number of violations; setting it to 0 forgets them.
     """
 
     def __init__(self) -> None:
@@ -103,15 +103,15 @@ class Violations:
         self.rows = zeros(CAPACITY * _COLUMNS)
 
     def add(self, code: int, part: int, value: float, bound: float) -> None:
-        """Note a violation.
+        """Add a violation.
 
         Args:
             code: The limit that is violated.
-            part: Index of the joint, or of another part that the code has.
-            value: The number that violates it.
+            part: Index of the joint, or of another part of the code.
+            value: The value that violates the limit.
             bound: The limit.
         """
-        # A full table ends the motion as surely as a longer one would.
+        # A full table ends the motion just as a longer one would.
         if self.count < CAPACITY:
             row = self.count * _COLUMNS
             self.rows[row], self.rows[row + 1] = code, part
@@ -119,9 +119,9 @@ class Violations:
             self.count += 1
 
     def errors(self) -> list[ArmError]:
-        """Return the errors that the violations are.
+        """Return the violations as errors.
 
-        Those of a command are ordered by code, those of the readings by joint.
+        Errors of a command are ordered by code, errors of the readings by joint.
         """
         rows = [
             tuple(self.rows[start : start + _COLUMNS])
