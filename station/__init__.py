@@ -15,7 +15,9 @@ __all__ = ["__version__", "open"]
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 - the stub beside this file has types
-    """Return `open` or `rerun`, imported when asked for: the client alone has no robot.
+    """Return `open` or `rerun`, whose modules are imported at the first use.
+
+    A program that only needs the client then imports no robot.
 
     Raises:
         AttributeError: There is no such name.

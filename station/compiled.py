@@ -53,13 +53,13 @@ class CompilationStatus:
         return self.mode == "compiled"
 
     def text(self) -> str:
-        """Return both for a line of a table or a log."""
+        """Return mode and reason as one line for a table or a log."""
         return f"{self.mode}: {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
 class BuildRecord:
-    """Origin of complete extensions; a build writes it last.
+    """Record of the extensions of a build, which writes it after the last extension.
 
     Attributes:
         sources: Digest of the sources.
@@ -67,7 +67,7 @@ class BuildRecord:
             extensions.
         target: Python, operating system and processor that can load them.
         extensions: Digest of each extension, by its path below the package.
-        failure: Why there are none; empty if the build succeeded.
+        failure: Why the build failed; empty if it succeeded.
     """
 
     sources: str
@@ -77,7 +77,7 @@ class BuildRecord:
     failure: str = ""
 
     def write(self, package: Path | None = None) -> None:
-        """Write it into a package, whole or not at all."""
+        """Write the record into a package, whole or not at all."""
         path = record_path(package)
         scratch = path.with_suffix(".tmp")
         scratch.write_text(json.dumps(asdict(self), indent=2) + "\n", encoding="utf-8")
@@ -90,7 +90,7 @@ def record_path(package: Path | None = None) -> Path:
 
 
 def read_record() -> BuildRecord | None:
-    """Return the record of the last build; None without a sound one."""
+    """Return the record of the last build; None if it is missing or damaged."""
     try:
         return BuildRecord(**json.loads(record_path().read_text("utf-8")))
     except (OSError, ValueError, TypeError):
@@ -177,8 +177,8 @@ def status() -> CompilationStatus:
 def find_misfit() -> str | None:
     """Return the reason why the extensions cannot run; None if they can.
 
-    A library that is cut short would end the process that loads it, so the digests are
-    compared before.
+    Loading a truncated library would crash the process, so the digests are compared
+    first.
     """
     record = read_record()
     if record is None or not record.extensions:
@@ -320,7 +320,7 @@ def build_in_background() -> None:
     """
     build = [sys.executable, "setup.py", "--quiet", "build_ext", "--inplace"]
     with building(waits=False) as lock:
-        # The process inherits the lock: nobody sees a moment in which nothing builds.
+        # The process inherits the lock, so that the lock is never free in between.
         subprocess.Popen(
             [*build, "--idle", f"--lock={lock}"],
             cwd=PACKAGE.parent,

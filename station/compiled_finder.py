@@ -1,7 +1,7 @@
 """Find the modules that are compiled: all their extensions, or all their sources.
 
-Every import of the station passes here, so nothing else is imported before a module
-that is compiled is asked for.
+Every import of the station passes through this module, so it imports `station.compiled`
+only when a compiled module is asked for.
 """
 
 import os
@@ -18,13 +18,13 @@ from types import ModuleType
 SHARED = "station.memory.shared_by_all"
 """Module with Cython's own functions, compiled once instead of into each extension."""
 SUFFIX = EXTENSION_SUFFIXES[0]
-"""Ending of an extension for this Python alone."""
+"""Ending of the file of an extension for this version of Python only."""
 
 
 class CompiledFinder:
     """Finds the modules that are compiled: all their extensions, or all their sources.
 
-    Python itself would take whatever extension lies beside a source, also a stale one.
+    Python itself would load any extension that lies beside a source, even a stale one.
     """
 
     def __init__(self) -> None:
@@ -39,7 +39,8 @@ class CompiledFinder:
         """Return the location of a compiled module; None for every other module.
 
         Raises:
-            ImportError: The extension was built anew since this process has decided.
+            ImportError: The extension was rebuilt after this process had decided to run
+                extensions.
         """
         if path is None or not fullname.startswith("station."):
             return None

@@ -1,4 +1,4 @@
-"""A plug-in of pytest: a robot in the test's own process, and recordings run again.
+"""A plug-in of pytest: fixtures for a robot in the test's process, and for re-runs.
 
 ```python
 def test_joint_1_arrives(station):
@@ -11,9 +11,10 @@ def test_the_pick_has_not_changed(rerun):
     rerun("tests/recordings/pick.mcap")   # fails at the first cycle that differs
 ```
 
-Time is virtual: nothing sleeps, and every run is the same. The station is that of the
-ini option `station_config`, or of the mark `@pytest.mark.station("my.yaml")`, whose
-arguments are those of `station.open`; without either it is the default one.
+Time is virtual: nothing sleeps, and every run is the same. The ini option
+`station_config` or the mark `@pytest.mark.station("my.yaml")` chooses the configuration
+of the station; the mark takes the arguments of `station.open`. Without either the
+station is the default one.
 """
 
 from typing import TYPE_CHECKING

@@ -19,10 +19,11 @@ _EXAMPLE = "\n\nExample:\n"
 
 
 def described(docstring: str | None) -> tuple[str, dict[str, str]]:
-    """Return the text of a docstring, and its description of each attribute.
+    """Return the text of a docstring, and the description of each attribute in it.
 
     Args:
-        docstring: In Google's style; `a, b: Text` describes both.
+        docstring: Docstring in Google's style; an entry `a, b: Text` describes `a` and
+            `b`.
     """
     text = inspect.cleandoc(docstring or "").partition(_EXAMPLE)[0]
     text, _, section = text.partition("\n\nAttributes:\n")
@@ -43,8 +44,8 @@ def examples_of(docstring: str | None) -> list[dict[str, Any]]:
     """Return the JSON objects that the section `Example` of a docstring holds.
 
     Args:
-        docstring: In Google's style; one object after the other, each may be broken
-            into lines anywhere.
+        docstring: Docstring in Google's style. The section holds one object after the
+            other, and an object may be broken into lines anywhere.
     """
     section = inspect.cleandoc(docstring or "").partition(_EXAMPLE)[2]
     rest = " ".join(section.partition("\n\n")[0].split())
@@ -57,10 +58,11 @@ def examples_of(docstring: str | None) -> list[dict[str, Any]]:
 
 
 class Described:
-    """Describes its fields in the JSON schema by its docstring.
+    """The base of classes whose docstring describes their fields in the JSON schema.
 
-    The sections `Attributes` and `Example` are those of the schema, too. Pydantic calls
-    the method; nothing of pydantic is needed for it here.
+    The section `Attributes` becomes the descriptions of the fields, and `Example` the
+    examples of the schema. Pydantic calls the method of this class, so that this module
+    need not import pydantic.
     """
 
     __slots__ = ()
@@ -91,8 +93,9 @@ class Described:
 class Report(Described):
     """The base of all reports.
 
-    A client refuses what is not of a field's type, and ignores unknown keys, because a
-    newer station may add some. A number without a finite value is null in JSON.
+    A client refuses a value that does not have the type of its field. It ignores
+    unknown keys, because a newer station may add some. A number without a finite value
+    is null in JSON.
     """
 
     __slots__ = ()
@@ -108,15 +111,15 @@ class Report(Described):
         source: Any,  # noqa: ANN401 - pydantic's, as is the handler
         handler: Any,  # noqa: ANN401
     ) -> dict[str, Any]:
-        # Strictly read, a report would have to be an instance, and no mapping. Its
-        # fields stay strict.
+        # Pydantic's strict mode accepts an instance of the class only, and refuses a
+        # mapping. The fields of the report stay strict.
         schema: dict[str, Any] = handler(source)
         handler.resolve_ref_schema(schema)["strict"] = False
         return schema
 
 
 class TextEnum(StrEnum):
-    """The base of closed sets of words in reports; a word equals its text."""
+    """The base of closed sets of words in reports; each member equals its text."""
 
     @classmethod
     def __get_pydantic_core_schema__(
@@ -125,21 +128,23 @@ class TextEnum(StrEnum):
         handler: Any,  # noqa: ANN401
     ) -> dict[str, Any]:
         schema: dict[str, Any] = handler(source)
-        # Strictly read, a word would have to be a member, and no text.
+        # Pydantic's strict mode accepts a member only, and refuses its text.
         handler.resolve_ref_schema(schema)["strict"] = False
         return schema
 
 
 @dataclass(frozen=True, slots=True)
 class Percentiles(Report):
-    """Durations since the last reset of the statistics [s]; zeros when there are none.
+    """Percentiles of durations since the last reset of the statistics [s].
+
+    Without durations every number is 0.
 
     Attributes:
         p50: Median.
         p99: 99 of 100 are at most this.
         p999: 999 of 1000 are at most this.
         max: Longest, even if the percentiles do not include it.
-        count: How many there were.
+        count: Number of the durations.
     """
 
     p50: float
@@ -217,7 +222,7 @@ class Simulation(Report):
 
 @dataclass(frozen=True, slots=True)
 class Clearance(Report):
-    """The pair of an arm's link and an object that is nearest, by its margin.
+    """The link of an arm and the object with the least gap: distance less margin.
 
     Attributes:
         arm: Name of the arm.
@@ -241,7 +246,7 @@ class Clearance(Report):
 
 @dataclass(frozen=True, slots=True)
 class SavedScene(Report):
-    """The objects with a role, kept on disk.
+    """A scene that is kept on disk: its objects with a role.
 
     Attributes:
         name: Name of the scene.
@@ -260,9 +265,9 @@ class CameraReport(Report):
 
     Attributes:
         name: Its name.
-        frame: Link that it hangs on; empty for the world.
-        width: Of its picture [px].
-        height: Of its picture [px].
+        frame: Link that carries it; empty when it is fixed in the world.
+        width: Width of its picture [px].
+        height: Height of its picture [px].
         rate: Pictures per second, at most [Hz].
         fault: Reason why it has no pictures; empty when none is known.
     """
@@ -320,13 +325,14 @@ class ComponentInterface(Report):
 
 @dataclass(frozen=True, slots=True)
 class AsyncStatistics(Report):
-    """The updates of a controller, or reads and writes of hardware, in a thread.
+    """Statistics of a controller or of hardware that runs in a thread of its own.
 
     Attributes:
         policy: `synchronized` or `detached`.
-        age: How many cycles old the states are to which the commands of a controller
-            belong; for hardware, how many cycles ago its states began to be read.
-        missed: Updates that did not begin because the one before had not ended.
+        age: For a controller, how many cycles old the states are from which its
+            commands were computed; for hardware, how many cycles ago the read of its
+            states began.
+        missed: Updates that were left out because the update before had not ended.
         duration: How long an update takes [s].
         period: Station time from one update to the next [s].
     """
@@ -347,7 +353,7 @@ class HardwareComponentReport(Report):
         type: `system`, `actuator` or `sensor`.
         plugin: Class of its robot, `package/Class` or `module:Class`.
         state: `unconfigured`, `inactive`, `active` or `finalized`.
-        problem: The last error of a hook; empty without.
+        problem: The last error of a hook of its life cycle; empty without an error.
         command_interfaces: Resources that controllers can command while it is active.
         state_interfaces: Resources that controllers can read, unless unconfigured or
             finalized.
@@ -419,7 +425,7 @@ class ChainedController(Report):
 
 @dataclass(frozen=True, slots=True)
 class ControllerChains(Report):
-    """The loaded controllers, with who commands whom.
+    """The loaded controllers, and which of them command others.
 
     Attributes:
         controllers: The controllers, in the order in which they are updated.
@@ -468,7 +474,7 @@ class GainDifference(Report):
 
 @dataclass(frozen=True, slots=True)
 class Waypoint(Report):
-    """Positions that joints pass.
+    """Joint positions that a path passes.
 
     Attributes:
         name: Its name, for people.
@@ -503,7 +509,7 @@ class PlotSettings(Report):
 
     Attributes:
         keys: Its channels, as the page names them, in their order.
-        xy: Whether the others are drawn over the first channel, not over time.
+        xy: Whether the horizontal axis is the first channel instead of time.
         span: How much time is shown [s], above 0.
         transform: Transform of the shown channels: `smooth`, `difference`, `norm`,
             `spectrum`; empty for the channels as they are.
@@ -522,7 +528,7 @@ class DockSettings(Report):
     Attributes:
         folded: The docks that are folded, as the page names them.
         side: Width of a column of docks beside the 3D view [pixels].
-        below: Height of the docks below it [pixels].
+        below: Height of the docks below the 3D view [pixels].
         heights: Heights of the docks that a user has resized [pixels].
     """
 
@@ -578,7 +584,7 @@ class Playback(Report):
         rounds: Rounds that are complete, 0 or more.
         waypoint: Number of its present target waypoint, from 0.
         waypoints: How many waypoints a round has.
-        progress: Part of the round's waypoints that are behind it, 0 to 1.
+        progress: Share of the round's waypoints that the robot has passed, 0 to 1.
         remaining: Time to the end of the round at the present speed [s].
         message: Why it was aborted; empty otherwise.
     """
@@ -607,7 +613,7 @@ class ArmRecord(Report):
         tau_J: Measured torques [Nm], shape (7,).
         q_d: Desired positions [rad], shape (7,).
         tau_J_d: Desired torques [Nm], shape (7,).
-        command: The last command that the arm was sent, in the unit of its kind.
+        command: The last command that was sent to the arm, in the unit of its kind.
     """
 
     time: float
@@ -629,7 +635,7 @@ class RehearsalOutcome(TextEnum):
     FAILED = "failed"
     """The motion would end with an error."""
     UNFINISHED = "unfinished"
-    """The longest time was over before the motion was."""
+    """The time limit passed before the motion ended."""
 
 
 class RehearsalCause(TextEnum):
@@ -648,7 +654,7 @@ class RehearsalCause(TextEnum):
     STOP = "stop"
     """The station is stopped."""
     ENVELOPE = "envelope"
-    """The motion leaves the envelope of agents; a person's would be carried out."""
+    """The motion leaves the envelope of agents, which does not bind persons."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -659,8 +665,8 @@ class RehearsalFault(Report):
         cause: Kind of the error.
         cycle: Number of the cycle in which it comes.
         time: Time since the beginning [s].
-        where: Joint, arm or controller concerned; empty when none is.
-        touching: Bodies that touch in that cycle, in pairs, and did not at the
+        where: Joint, arm or controller concerned; empty when no part is.
+        touching: Pairs of bodies that touch in that cycle and did not touch at the
             beginning.
         code: Name of the error, for programs.
         text: One sentence or more for people.
@@ -692,7 +698,7 @@ class JointForecast(Report):
         effort: Largest measured effort [Nm or N].
         effort_margin: Part of the effort limit that is left.
         cut_off: Number of commands that limits have cut off.
-        cut_off_cycle: Number of the first of these cycles; null without one.
+        cut_off_cycle: Number of the first cycle with such a command; null without one.
     """
 
     joint: str
@@ -727,7 +733,7 @@ class ClearanceForecast(Report):
 
     Attributes:
         bodies: Names of a link, and of an object or another robot's link.
-        cycle: Number of the cycle in which they are so near.
+        cycle: Number of the cycle with this distance.
         distance: Distance of their surfaces [m]; negative when they overlap.
         margin: Distance that the arm keeps from the object [m]; null for a solid body
             without a role.
@@ -741,7 +747,7 @@ class ClearanceForecast(Report):
 
 @dataclass(frozen=True, slots=True)
 class Certificate(Report):
-    """The station's word that a command goes as it was rehearsed, or is stopped.
+    """A guarantee: a command is carried out as it was rehearsed, or is stopped.
 
     Attributes:
         name: Its name, to be given with the command.
@@ -759,12 +765,12 @@ class Plan(Report):
     """A path without collisions, for a trajectory controller.
 
     Attributes:
-        controller: The controller.
-        goal: The goal that follows the path.
-        duration: How long it takes [s].
-        direct: Whether it is the straight way in joint space.
+        controller: Name of the trajectory controller.
+        goal: Goal with which the controller follows the path.
+        duration: How long the motion takes [s].
+        direct: Whether the path is the straight line in joint space.
         planning_time: How long the planning took [s].
-        joints: The joints.
+        joints: Names of the joints, shape (n,).
         positions: Positions along the path [rad or m], shape (k, n), the start first.
         twin: Source of the path: a `copy` of this simulated station, or a
             `model` of a real robot, which knows no more than the station.
@@ -782,7 +788,7 @@ class Plan(Report):
 
 @dataclass(frozen=True, slots=True)
 class Rehearsal(Report):
-    """The course of some steps, carried out by a copy of the station.
+    """The result of some steps that a copy of the station has carried out.
 
     Attributes:
         outcome: How it ended.
@@ -790,21 +796,22 @@ class Rehearsal(Report):
         is_at_rest: Whether the joints stood still at the end.
         begin_cycle: Number of the first cycle.
         cycles: Number of cycles.
-        duration: The same in station time [s].
+        duration: Station time of these cycles [s].
         wall_time: How long the rehearsal took [s].
-        joints: All joints.
+        joints: Forecast for every joint.
         contacts: Pairs of bodies that touched.
-        clearances: The pair of a simulated robot and something solid that came nearest,
-            and of each arm that keeps clear of roles the pair that came nearest to its
-            margin.
+        clearances: The nearest pair of a simulated robot and a solid body; and, for
+            each arm that keeps clear of objects, the pair that had the least distance
+            less margin.
         times: Time of each row of `positions` since the beginning [s], shape (k,).
         positions: Positions of the joints [rad or m], shape (k, n), 200 rows at most.
         digest: SHA-256 of positions, velocities and efforts of all joints in every
             cycle as doubles; the same motion has the same digest.
-        certificate: With it the command is carried out as it was rehearsed; null when
-            none was asked for, or none can be given.
-        twin: The moved robot: `copy` of this simulated station, or `model` of a real
-            robot, which is as good as its parameters.
+        certificate: Certificate with which the command is carried out as it was
+            rehearsed; null when the caller did not ask for one, or the station cannot
+            give one.
+        twin: The robot that moved: `copy` of this simulated station, or `model` of a
+            real robot, which is as good as its parameters.
     """
 
     outcome: RehearsalOutcome
@@ -872,13 +879,13 @@ class EventKind(TextEnum):
     LOOP = "loop"
     """The control loop started, ended or died."""
     WATCHDOG = "watchdog"
-    """The watchdog ended or does not look at the loop any more, or looks again."""
+    """The watchdog ended, stopped watching the loop, or watches it again."""
     RECORDING = "recording"
     """A recording began or ended."""
     INCIDENT = "incident"
     """The cycles around an incident were kept."""
     EXPERIMENT = "experiment"
-    """An experiment began, came further or ended."""
+    """An experiment began, progressed or ended."""
     ALARM = "alarm"
     """A person has acknowledged an alarm."""
     AGENT = "agent"
@@ -896,8 +903,8 @@ class Event(Report):
         time: Wall time [s since 1970, UTC].
         stamp: Station time [s], 0 or more; 0 before the first cycle.
         cycle: Number of the last cycle before the event; 0 before the first one.
-        kind: Subject of the event, such as `request`, a change that was asked for, or
-            `fault`, of a controller.
+        kind: Subject of the event, e.g. `request` (a requested change) or `fault` (of a
+            controller).
         severity: `info`; `warning`: refused, stopped or too late; `error`: failed.
         who: Name of the token or person; empty for the station itself.
         where: Address that the request came from; empty for the station itself.

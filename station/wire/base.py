@@ -1,9 +1,10 @@
 """The bases of all wire models, and the numbers and names they are made of.
 
-Reports of `station.reports` are sent as they are. An answer whose form on the wire is
-another one than that of the core's value is a model, read from the value by attribute:
-`wire.ArmReport.model_validate(report)`. The types here convert what JSON has no word
-for: numbers that are not finite, members of enumerations, tuples and absent reasons.
+Reports of `station.reports` are sent as they are. An answer whose form on the wire
+differs from the core's value is a model, which reads the attributes of the value:
+`wire.ArmReport.model_validate(report)`. The types here convert values that JSON cannot
+express: numbers that are not finite, members of enumerations, tuples and absent
+reasons.
 """
 
 import math
@@ -39,7 +40,7 @@ ReadT = TypeVar("ReadT")
 
 
 def finite_or_none(value: object) -> object:
-    """Return `value`, or None for a float that is not finite."""
+    """Return `value`, or None if it is a float that is not finite."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
@@ -78,7 +79,7 @@ Items = Annotated[list[ItemT], Field(strict=False)]
 """A JSON array; the core may have it as a tuple."""
 
 Reason = Annotated[str, BeforeValidator(text_or_empty)]
-"""A reason or a remedy; empty where there is none, which is None in the core."""
+"""A reason or a remedy; None in the core becomes empty text."""
 
 FromEnum = BeforeValidator(name_of)
 """Reads the name of a member of one of the core's enumerations."""
@@ -88,12 +89,12 @@ class WireModel(Described, BaseModel):
     """A model whose docstring describes its fields in the JSON schema."""
 
 
-# Making a reader takes a millisecond, reading with it some microseconds.
+# Readers are kept: making one takes a millisecond, reading with it microseconds.
 _READERS: dict[type[object], TypeAdapter[Any]] = {}
 
 
 def reader_of(kind: type[ReadT]) -> TypeAdapter[ReadT]:
-    """Return a function that reads a report or a wire model from JSON or its values."""
+    """Return pydantic's reader of a report or a wire model."""
     reader = _READERS.get(kind)
     if reader is None:
         reader = _READERS[kind] = TypeAdapter(kind)
@@ -116,7 +117,7 @@ class ResponseModel(WireModel):
 
 
 class RequestModel(WireModel):
-    """Base of the requests. Unknown keys, `"600"`, `true` and NaN are refused."""
+    """Base of the requests; refuses unknown keys, values of another type and NaN."""
 
     model_config = ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False

@@ -39,11 +39,11 @@ ControllerStateName = Annotated[
 
 
 SwitchStrictness = Literal["strict", "best_effort", "auto", "force_auto"]
-"""Treatment of a switch of which only a part is possible."""
+"""Treatment of a switch that is only partly possible."""
 
 
 class ClaimedResources(ResponseModel):
-    """Claims of a controller on one interface (HardwareInterfaceResources).
+    """Claims of a controller on one interface (ROS: HardwareInterfaceResources).
 
     Attributes:
         hardware_interface: Name of the interface.
@@ -66,7 +66,8 @@ class ControllerState(ResponseModel):
         traceback: Traceback that belongs to `fault`; null if there is none.
         fallback: Names of the controllers that take over when it fails.
         time: Duration of its updates [s].
-        notes: Surprises for its user, such as a parameter that has no effect.
+        notes: Sentences about surprises for its user, such as a parameter without
+            effect.
         update_rate: Rate of its updates while it runs [Hz].
         async_update: Its updates in a thread of its own; null if the control thread
             updates it.
@@ -128,8 +129,9 @@ class SwitchRequest(RequestModel):
         start: Names to start.
         stop: Names to stop.
         strictness: `strict`: all or nothing; `best_effort`: the possible part; `auto`:
-            as strict, and whole chains of controllers start and stop; `force_auto`: as
-            auto, and controllers that hold what a start needs stop.
+            like strict, and the other controllers of a chain start or stop with it;
+            `force_auto`: like auto, and running controllers that claim a resource of a
+            starting one are stopped.
         start_asap: Start each as soon as its joints are ready.
         timeout: How long the hardware may take [s]; 0 means as long as it takes, up to
             `bound`.
@@ -169,11 +171,12 @@ class SwitchResult(ResponseModel):
             nor its reversal.
         failed: Why a controller of the request does not run, by name.
         ignored: Why parts of a best-effort request were left out.
-        order: Names of the controllers that run after it as planned, in the order of
-            their updates.
-        chained: Names of those among them that are in chained mode.
-        jump: How far the first commands are from those before, by joint, in the unit
-            of the command.
+        order: Names of the controllers that run after the switch as planned, in the
+            order of their updates.
+        chained: Names of the controllers in `order` that are in chained mode.
+        jump: Step from the last command before the switch to the first one after it, by
+            joint, in the unit of the command; 0 for a command that slows the joint
+            down.
         cycle: Cycle in which it was finished; 0 for a dry run.
         dry_run: Nothing was done; this is the plan.
 
@@ -231,7 +234,7 @@ class Gains(ResponseModel):
 
 
 class GainsPatch(RequestModel):
-    """Change some gains; the set is checked whole and takes effect in one cycle.
+    """Change some gains; all are checked together and take effect in one cycle.
 
     Attributes:
         values: New values by name, in the units and ranges of the gains' schema; the
@@ -280,7 +283,7 @@ class CommandRequest(RequestModel):
             leaves an element at its last command.
         epoch: Epoch it was made for; refused when a stop or reset came since.
         timeout: How long it is valid [s wall time], 0 for ever; the controller's own
-            when null. What happens then is the controller's setting.
+            when null. A parameter of the controller decides what happens then.
         rates: How fast the set-point changes, one number per element [rad/s or m/s];
             position controllers with a PID feed it forward, others refuse it.
 
@@ -309,11 +312,11 @@ class CommandAccepted(ResponseModel):
 
 
 class ControllerSample(ResponseModel):
-    """Sample of a controller of one cycle, shape (n,) each.
+    """Values of a controller in one cycle; each array has the shape (n,).
 
     Attributes:
         stamp: Station time [s].
-        name: Owner of the numbers, usually a joint.
+        name: Names of the elements, usually of joints.
         desired: Set-point.
         actual: Measured value, same unit.
         error: Their difference as the control law sees it.
@@ -332,7 +335,7 @@ class ControllerSample(ResponseModel):
 
 
 class ReloadRequest(RequestModel):
-    """Forget the code of controllers that was imported.
+    """Forget the imported code of controllers, so that the next load imports it anew.
 
     Attributes:
         force_kill: Stop and unload all controllers first; without it, loaded
@@ -364,14 +367,14 @@ class DeclaredParameter(ResponseModel):
     """A parameter of a controller, as its type declares it.
 
     Attributes:
-        name: Path below the controller's namespace, so the place in `params` of the
-            load request; `/` separates namespaces, and `<joint>` stands for the name of
-            each joint.
+        name: Path below the controller's namespace, which is also its place in `params`
+            of the load request; `/` separates namespaces, and `<joint>` stands for the
+            name of each joint.
         type: Type of the value: `number`, `boolean`, `string`, `numbers` and `strings`
             (lists), `number_or_numbers` (one for all, or a list with one for each),
             `mappings` (a list of objects).
         description: Purpose.
-        unit: Unit of the numbers, where joints are concerned that of rotating joints;
+        unit: Unit of the numbers, for a quantity of joints the unit of revolute joints;
             empty without a unit.
         required: Whether loading is refused when it is absent.
         default: Value when it is absent; null when there is no fixed one.
@@ -380,9 +383,9 @@ class DeclaredParameter(ResponseModel):
         minimum: Smallest number allowed; null for no bound.
         excludes_minimum: Whether the number must be larger than `minimum`.
         maximum: Largest number allowed; null for no bound.
-        choices: The strings allowed; empty when any is.
-        size: Length that a list must have; null when any is allowed.
-        names: Kind of things that they name: `joint`, `arm`, `controller`; empty
+        choices: The allowed strings; empty when every string is allowed.
+        size: Length that a list must have; null when any length is allowed.
+        names: Kind of thing that the strings name: `joint`, `arm`, `controller`; empty
             for other strings.
     """
 
@@ -419,8 +422,8 @@ class ControllerType(ResponseModel):
         type: Its type, `package/Class`.
         base_class: Class of plugins that it belongs to.
         description: Purpose; empty where the type has no text.
-        parameters: The parameters that it declares, after those of every controller;
-            a type of another package may read more than it declares.
+        parameters: The parameters that it declares, after those that every controller
+            has; a type of another package may read more parameters than it declares.
         error: Why its code cannot be imported; empty when it can.
     """
 
@@ -504,7 +507,8 @@ class GoalResult(ResponseModel):
     """End of a goal.
 
     Attributes:
-        code: The action's number for it; 0 for success and an end from outside.
+        code: Result code of the action; 0 for success, and when the goal was ended from
+            outside of its controller.
         message: Why, one sentence; empty on success.
         details: The facts of the message: joint, quantity, error, tolerance, time …
     """
@@ -615,8 +619,8 @@ class GainSetRequest(RequestModel):
     """Controllers whose gains are saved or applied.
 
     Attributes:
-        controllers: Names of controllers; null or left out for all: those that are
-            loaded when saving, those of the set when applying.
+        controllers: Names of controllers; null or left out for all: all loaded ones
+            when saving, all of the set when applying.
 
     Example:
         {"controllers": ["arm"]}
@@ -632,7 +636,7 @@ class GainsOfControllersPatch(RequestModel):
         changes: New values by controller and name, in the units and ranges of the
             gains' schema; the other gains stay.
         revisions: Revisions of the gains that the caller has read, by controller; the
-            change is refused when one is another by now. Null for whatever they are.
+            change is refused when a present revision differs. Null skips this check.
 
     Example:
         {"changes": {"arm": {"panda_joint1/p": 500.0}}, "revisions": {"arm": 4}}

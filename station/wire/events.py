@@ -61,7 +61,7 @@ class EventLogState(ResponseModel):
 
 
 class Alarm(ResponseModel):
-    """Condition that asks for a person, or did until a person has seen it.
+    """A condition that needs a person, present or not yet acknowledged.
 
     Attributes:
         id: Number of the alarm, 1 or more; a cause that returns gets a new one.
@@ -72,8 +72,9 @@ class Alarm(ResponseModel):
         remedy: Advice to the user.
         raised_at: When it was noticed, as wall time [s since 1970, UTC].
         cleared_at: When the cause was gone, as wall time [s since 1970]; null before.
-        acknowledged_by: Name of who has seen it; empty before.
-        acknowledged_at: When that was, as wall time [s since 1970]; null before.
+        acknowledged_by: Name of the person who has acknowledged it; empty before.
+        acknowledged_at: When it was acknowledged, as wall time [s since 1970]; null
+            before.
 
     Example:
         {"id": 3, "subject": "stop", "severity": "warning", "text": "The station is
@@ -97,8 +98,8 @@ class Alarms(ResponseModel):
     """The alarms, newest first.
 
     Attributes:
-        alarms: Those that have a cause, and those that are not acknowledged.
-        unacknowledged: Number of those that are not acknowledged, 0 or more.
+        alarms: Alarms whose cause is present, and alarms that nobody has acknowledged.
+        unacknowledged: Number of alarms that nobody has acknowledged, 0 or more.
     """
 
     alarms: Items[Alarm]

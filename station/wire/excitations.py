@@ -16,16 +16,16 @@ from station.wire.base import (
 Time = Annotated[float, Field(ge=0.0, le=3600.0)]
 Frequency = Annotated[float, Field(gt=0.0, le=500.0)]
 MOST_RECORDED = 100_000
-"""Most values of a motion that was recorded."""
+"""Largest number of values of a recorded motion."""
 Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=3, max_length=3)]
 
 
 class _Tagged(RequestModel):
-    """Base of the kinds, which differ by their tag."""
+    """Base of the excitations, which differ by the value of `kind`."""
 
     @override
     def model_post_init(self, context: object, /) -> None:
-        """Count the kind among the set fields: a client sends no others."""
+        """Mark `kind` as a set field, because a client sends only set fields."""
         self.model_fields_set.add("kind")
 
 
@@ -36,7 +36,7 @@ class Step(_Tagged):
         kind: Kind of the excitation.
         joint: Joint, or element of the set-point.
         amplitude: Height [unit of the set-point].
-        at: When [s].
+        at: When it jumps [s].
     """
 
     kind: Literal["step"] = "step"
@@ -132,7 +132,7 @@ class Relay(_Tagged):
 
 
 class Waypoints(_Tagged):
-    """Motions from rest to rest with the least jerk, one after the other.
+    """Motions of least jerk from rest to rest, one after the other.
 
     Attributes:
         kind: Kind of the excitation.
@@ -235,10 +235,12 @@ class BenchRequest(RequestModel):
         duration: How long the response is measured [s], above 0, at most 10.
         settling_band: Half-width of the band of the settling time, as a share of the
             step, above 0 and below 1.
-        relay_gain: Proportional gain of the joint during a relay test, > 0, with
-            integral and derivative gain 0, so that the oscillation is that of the joint
-            only; afterwards the gains are the old ones. None leaves them in force.
-        name: Name under which the station keeps the response; it makes one when None.
+        relay_gain: Proportional gain of the joint during a relay test, > 0. Integral
+            and derivative gain are 0 meanwhile, so that they do not shape the
+            oscillation. Afterwards the old gains are back. None leaves the gains in
+            force.
+        name: Name under which the station keeps the response; None lets the station
+            choose.
 
     Example:
         {"excitation": {"kind": "step", "joint": "panda_joint7", "amplitude": 0.1},
@@ -284,11 +286,11 @@ class Bode(ResponseModel):
 
 
 class GainProposal(ResponseModel):
-    """Gains that a tuning rule makes of the ultimate gain and period.
+    """Gains that a tuning rule computes from the ultimate gain and period.
 
     Attributes:
         rule: Name of the rule, e.g. `tyreus_luyben_pid`.
-        title: The same for people.
+        title: Name of the rule for people.
         source: Publication.
         gains: Values by the names of the controller's gains.
         note: Restriction that a reader needs; empty without one.
@@ -310,11 +312,12 @@ class BenchResponse(ResponseModel):
         controller: Name of the controller.
         joint: Name of the joint.
         kind: Kind of the excitation.
-        amplitude: Size of the excitation [rad or m]; that of the set-point in a part of
-            a recording.
+        amplitude: Size of the excitation [rad or m]; for a part of a recording, the
+            size of the set-point's motion.
         gains: Gains of the controller during the measurement, by name.
         time: Station time since the beginning [s], shape (k,).
-        desired: Set-point in each [rad or m], shape (k,); null before the first one.
+        desired: Set-point at each time [rad or m], shape (k,); null before the first
+            one.
         position: Measured position [rad or m], shape (k,).
         velocity: Measured velocity [rad/s or m/s], shape (k,).
         effort: Measured effort [Nm or N], shape (k,).
@@ -322,10 +325,11 @@ class BenchResponse(ResponseModel):
         metrics: Metrics of this joint over all cycles, by name; one that does not
             apply is left out. Margins, bandwidth and the like are among them.
         units: The unit of each metric, by its name.
-        cycles: How many cycles were measured, 1 or more; the arrays have at most some
-            hundred of them.
+        cycles: How many cycles were measured, 1 or more; the arrays hold a few hundred
+            of these cycles at most.
         bode: Frequency responses of a chirp or a multisine; null for others.
-        proposals: Gains by rule, after a relay test with P alone; empty otherwise.
+        proposals: Gains by rule, after a relay test with a proportional gain only;
+            empty otherwise.
         lost: Cycles that were overwritten before they could be read, 0 or more.
     """
 
@@ -391,11 +395,13 @@ class PartRequest(RequestModel):
         kind: How the part is read: a step's rise and overshoot, gain and phase at a
             sine's frequency, Bode plot of a chirp or multisine, or oscillation under a
             relay.
-        begin: Station time at which the part begins [s]; that of the recording if None.
-        end: Station time at which it ends [s]; that of the recording when None.
+        begin: Station time at which the part begins [s]; None for the beginning of the
+            recording.
+        end: Station time at which the part ends [s]; None for the end of the recording.
         low: Lowest frequency of a chirp or multisine, or that of a sine [Hz].
         high: Highest frequency of a chirp or multisine [Hz].
-        name: Name under which the station keeps the result; it makes one when None.
+        name: Name under which the station keeps the result; None lets the station
+            choose.
 
     Example:
         {"controller": "effort_group_position_controller", "joint": "panda_joint7",

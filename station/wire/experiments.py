@@ -19,7 +19,7 @@ from station.wire.excitations import Command
 ExperimentKind = Literal["sweep", "robustness", "tune"]
 ExperimentStateName = Literal["running", "done", "cancelled", "failed", "unfinished"]
 TrialHash = Annotated[str, Field(pattern=r"^[0-9a-f]{4,16}$")]
-"""The hash of a trial, or the beginning of it."""
+"""The hash of a trial, or the first characters of the hash."""
 
 
 class ExperimentBound(RequestModel):
@@ -27,7 +27,7 @@ class ExperimentBound(RequestModel):
 
     Attributes:
         metric: A metric, such as `effort_peak`.
-        limit: It is at most this, in the unit of the metric, or as a multiple.
+        limit: Largest allowed value, in the unit of the metric or as a multiple.
         is_relative: Whether `limit` is a multiple of the metric of the first trial.
     """
 
@@ -40,16 +40,19 @@ class ExperimentRequest(RequestModel):
     """An experiment to start.
 
     Attributes:
-        kind: `tune` searches for better gains, `sweep` runs a trial for each of many
-            values of parameters, `robustness` under chance ones.
+        kind: `tune` searches for better gains; `sweep` runs a trial for each of many
+            values of parameters; `robustness` runs trials with random values of
+            parameters.
         controller: Controller that the trials run.
-        name: Its name; empty for its kind and the time. A request that repeats
-            that of an unfinished experiment goes on with it.
+        name: Its name; when empty, the name is made of the kind and the time. A request
+            that repeats the request of an unfinished experiment goes on with that
+            experiment.
         joints: The joints whose gains a search changes, and which the script moves
             when `commands` is left out; all of the controller when null.
         commands: Motions in each trial; small motions of the joints when null.
         duration: Length of a trial [s], above 0, at most 3600; only with `commands`.
-        begin: Initial positions [rad or m], by joint; others as at the world's start.
+        begin: Initial positions [rad or m], by joint; other joints begin where the
+            world starts.
         settling_band: Half-width of the band of the settling time, as a share of the
             step, above 0 and below 1.
         parameters: Parameters of every trial by name, such as `load`; docs list them.
@@ -57,17 +60,17 @@ class ExperimentRequest(RequestModel):
         seed: Seed of all chance, 0 or more.
         workers: Processes, 1 or more; null for all processors but one.
         gains: Endings of the names of the gains that a search changes.
-        weights: Weight of each metric that a search makes small, above 0; the metrics
-            count relative to those of the first trial.
-        bounds: Constraints of a search; null for at most the effort at first, neither
-            peak nor RMS, and no violation of a limit.
+        weights: Weight of each metric that a search minimises, above 0; a metric counts
+            relative to its value in the first trial.
+        bounds: Constraints of a search. Null means: peak and RMS effort at most those
+            of the first trial, and no violation of a limit.
         is_live: Whether the trials have the gains that are in force now instead of
             those of the configuration.
         ranges: Values of a sweep's parameters: `NAME=LOW:HIGH`, `NAME=LOW:HIGH:COUNT`
             or `NAME=A,B,C`.
         method: How a sweep spreads its trials over the ranges.
-        metric: The metric that says which trials are the best and the worst.
-        keep_worst: So many of the worst trials of `robustness` are kept cycle by
+        metric: The metric by which the best and the worst trials are chosen.
+        keep_worst: How many of the worst trials of `robustness` are kept cycle by
             cycle, 0 to 20.
 
     Example:
@@ -141,7 +144,7 @@ class ExperimentSummary(ResponseModel):
     Attributes:
         name: Its name.
         kind: Kind of experiment; `tune`, `sweep` and `robustness` can be started here.
-        controller: The controller of its trials; empty when nothing says which.
+        controller: The controller of its trials; empty when it is not known.
         state: `running` here and now; `done`; `cancelled`; `failed`, see `reason`; or
             `unfinished`: begun, and this station does not run it.
         reason: Reason of its end or failure; empty without one.
@@ -168,9 +171,10 @@ class Experiment(ExperimentSummary):
     Attributes:
         first: The trial at which a search began; null before it has ended, and in
             other experiments.
-        best: The best trial so far, that of a search within its bounds; null while
-            there is none.
-        cost: Cost of the best trial of a search; that of the first is 1. Null without.
+        best: The best trial so far, in a search the best one within the bounds; null
+            while there is none.
+        cost: Cost of the best trial of a search; the first trial has the cost 1. Null
+            without a best trial.
         left: Time until the end at the present pace [s]; null when that is not known.
 
     Example:
@@ -209,8 +213,8 @@ class ExperimentResponse(ResponseModel):
         role: `first`, `best`, or `worst`.
         joints: Names of the joints, shape (n,).
         time: Time since the trial began [s], shape (k,).
-        desired: Set-points in each [unit of the set-point], shape (k, n); null while
-            there was none.
+        desired: Set-points at each time [unit of the set-point], shape (k, n); null
+            while there was none.
         position: Measured positions [rad or m], shape (k, n).
         effort: Measured efforts [Nm or N], shape (k, n).
     """
@@ -235,14 +239,14 @@ class ExperimentResponses(ResponseModel):
 
 
 class ExperimentPreview(ResponseModel):
-    """Changes that the gains of a trial would make.
+    """Changes that would put the gains of a trial into force.
 
     Attributes:
         experiment: Name of the experiment.
         trial: Hash of the trial.
         differences: The gains that would change: `saved` is the new value.
-        revisions: Present revision of the gains of each controller; sent along with
-            the change, they make sure that no gain has changed since.
+        revisions: Present revision of the gains of each controller. Send them along
+            with the change, which is refused if a gain has changed since.
 
     Example:
         {"experiment": "better", "trial": "3f2a9c0d11e4b765", "differences":
@@ -260,9 +264,10 @@ class ExperimentApplyRequest(RequestModel):
     """Choice of the gains to put into force.
 
     Attributes:
-        trial: Hash of the trial, or the beginning of it; null for the best one.
+        trial: Hash of the trial, or the first characters of the hash; null for the best
+            trial.
         revisions: Revisions that the preview has shown, by controller; the change is
-            refused when one is another by now. Null to change whatever they are.
+            refused when a present revision differs. Null skips this check.
 
     Example:
         {"trial": null, "revisions": {"arm": 4}}

@@ -44,8 +44,8 @@ class HardwareComponentStateRequest(RequestModel):
 
     Attributes:
         state: The state.
-        stop_controllers: Whether the controllers that command it are stopped first;
-            else a component in use stays active.
+        stop_controllers: Whether to stop the controllers that command it first; without
+            this, the request is refused while a controller commands it.
 
     Example:
         {"state": "inactive", "stop_controllers": true}
@@ -116,13 +116,13 @@ class HardwareLimits(ResponseModel):
 
 
 class Clamp(ResponseModel):
-    """Count of the commands of a joint that limits cut off, and the last one.
+    """Commands of a joint that limits have cut off: their number and the last one.
 
     Attributes:
         joint: Its name.
         hardware_interface: The interface that was commanded; `simulated brakes` when
             the brakes of a simulated joint have held its velocity.
-        count: Number of cycles since the station started.
+        count: Number of cycles with such a command since the station started.
         asked: The last command that was cut off, in the unit of the interface.
         given: Command that the joint got instead.
         reason: The limit that was active.

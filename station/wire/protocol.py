@@ -9,25 +9,25 @@ from station.wire.base import ReadT, ResponseModel, reader_of
 PREFIX: Final = "/api/v1"
 """Path below which the API answers."""
 LEASE_HEADER: Final = "X-Control-Lease"
-"""Header of a change: the lease of control that it is made under."""
+"""Header of a change: the lease of control under which the client makes it."""
 KEY_HEADER: Final = "Idempotency-Key"
-"""Header of a change: its name, with which it is carried out once."""
+"""Header of a change: its key. Changes with the same key are carried out once."""
 CLOCK_HEADER: Final = "X-Station-Clock"
 """Header of every answer: the station's wall time [s since 1970]."""
 REHEARSAL_HEADER: Final = "X-Rehearsal"
-"""`advised` in the answer to a command that should have been rehearsed."""
+"""Header of an answer: `advised` if the command should have been rehearsed."""
 NOT_AFTER_HEADER: Final = "X-Not-After"
-"""Header of a change: the latest time by that clock at which it may begin."""
+"""Header of a change: the latest time by `X-Station-Clock` at which it may begin."""
 REPLAYED_HEADER: Final = "Idempotent-Replayed"
-"""Header of an answer: whether it is that of the first request with this key."""
+"""Header of an answer: `true` if it repeats the answer to an earlier request."""
 MAX_BODY_BYTES: Final = 256 * 1024
-"""Largest body of a request, which a dashboard may forward: parsing JSON holds the
-interpreter, and with it the control loop."""
+"""Largest body of a request [bytes]. Parsing a larger JSON would hold the interpreter
+lock, and with it the control loop, for too long."""
 UPLOAD_PATH: Final = f"{PREFIX}/recordings/upload"
-"""Path of the one request whose body is a file. It goes to the disk unparsed, and then
-is looked at piece by piece."""
+"""Path of the only request whose body is a file. The file goes to the disk unparsed,
+and is then checked piece by piece."""
 MAX_UPLOAD_BYTES: Final = 500_000_000
-"""Largest file of an upload: ten minutes of a Panda at 1 kHz."""
+"""Largest file of an upload [bytes]: ten minutes of a Panda at 1 kHz."""
 
 
 def largest_body(path: str) -> int:
@@ -62,7 +62,7 @@ class Problem(ResponseModel):
         detail: The thing, its value, and the allowed values.
         code: Stable machine-readable name of the kind.
         remedy: Advice to the user.
-        errors: Every single thing that is wrong, when there are several or fields.
+        errors: Every single fault, when there are several or a field is at fault.
         details: The facts of `detail` as data, e.g. who holds the joints.
 
     Example:
@@ -124,7 +124,7 @@ class StreamFrame(ResponseModel):
             model: The model of the topic; the stream must have all its fields.
 
         Raises:
-            ValidationError: The payload is another one.
+            ValidationError: The payload does not fit the model.
         """
         return reader_of(model).validate_python({"stamp": self.stamp, **self.data})
 

@@ -22,7 +22,8 @@ class Recording(ResponseModel):
         note: Note of the user.
         state: `recording` now; `stopped`; `failed` before its end, `error` says why;
             `recovered` after the station was killed.
-        error: Reason of a failure, or the loss of a recovery; empty without either.
+        error: Reason of a failure, or what a recovery could not save; empty without
+            either.
         started_at: When it began, ISO 8601.
         first_cycle: Number of its first cycle; 0 while it has none.
         last_cycle: Number of its last cycle; 0 while it has none.
@@ -90,9 +91,9 @@ class Trajectory(ResponseModel):
     Attributes:
         name: Joint names, shape (n,).
         cycle: Numbers of the cycles, shape (m,).
-        time: Station time of each [s], shape (m,).
-        position: Positions in each [rad or m], shape (m, n); null where a reading was
-            not finite.
+        time: Station time of each cycle [s], shape (m,).
+        position: Positions in each cycle [rad or m], shape (m, n); null where a reading
+            was not finite.
     """
 
     name: Items[str]
@@ -106,12 +107,13 @@ class RecordedEvent(ResponseModel):
 
     Attributes:
         time: Station time [s].
-        kind: Kind of the event, such as `switch`; `incident` of the cause of an
-            incident, `note` of a note.
+        kind: Kind of the event, such as `switch`; `incident` for the cause of an
+            incident, `note` for a note.
         severity: `info`, `warning` or `error`.
         text: A sentence for people.
-        until: Station time of the end of a note on a range [s]; null of a moment.
-        details: More facts, by kind; `who` of a note is its author.
+        until: Station time at which the range of a note ends [s]; null for a single
+            moment.
+        details: More facts, by kind; for a note, `who` is its author.
 
     Example:
         {"time": 12.5, "kind": "note", "severity": "info", "text": "The cube slipped.",

@@ -10,7 +10,7 @@ from station.wire.library import PlayRequest
 
 _Seconds = Annotated[float, Field(ge=0.0, le=60.0, allow_inf_nan=False)]
 _LEAST = 1e-6
-"""Largest part of a quaternion that still counts as one."""
+"""A quaternion whose numbers are all smaller than this counts as 0, and is refused."""
 _Numbers = list[Annotated[float, Field(allow_inf_nan=False)]]
 
 
@@ -131,9 +131,9 @@ class Place(RequestModel):
     """A pose of a Franka's end effector EE in the frame of the arm's base O.
 
     Attributes:
-        position: Of EE's origin, x, y, z [m].
+        position: Position of EE's origin, x, y, z [m].
         orientation: Quaternion x, y, z, w of EE; null keeps the present one.
-        rpy: Its roll, pitch and yaw [rad], in place of `orientation`.
+        rpy: Roll, pitch and yaw of EE [rad], in place of `orientation`.
     """
 
     position: _Numbers = Field(min_length=3, max_length=3)
@@ -141,7 +141,7 @@ class Place(RequestModel):
     rpy: _Numbers | None = Field(default=None, min_length=3, max_length=3)
 
     def quaternion(self) -> list[float] | None:
-        """Return the orientation as a quaternion x, y, z, w; None: the present one."""
+        """Return the orientation as a quaternion x, y, z, w; None to keep it."""
         if self.rpy is None:
             return self.orientation
         (cr, sr), (cp, sp), (cy, sy) = (
@@ -163,7 +163,7 @@ class Place(RequestModel):
 
 
 class PlanRequest(RequestModel):
-    """Search for a path that touches nothing, to one of three kinds of target.
+    """Search for a path without collisions to one of three kinds of target.
 
     Attributes:
         controller: A running trajectory controller.
@@ -171,7 +171,7 @@ class PlanRequest(RequestModel):
         pose: Target pose of the end effector; the station computes the joints.
         name: A named pose of the robot, such as `ready`.
         timeout: How long to search [s], above 0 and at most 30.
-        seed: Of the random numbers; another seed finds another path.
+        seed: Seed of the random numbers, 0 or more; another seed finds another path.
 
     Example:
         {"controller": "position_joint_trajectory_controller", "positions":
@@ -199,7 +199,7 @@ class RehearsalRequest(RequestModel):
     """Try steps in a copy of the station; nothing moves.
 
     Attributes:
-        steps: The steps; without any the station goes on as it is.
+        steps: The steps; without steps the copy goes on as the station does now.
         seconds: How long the rehearsal lasts [s]; null ends it when all goals have
             ended and the joints stand still, after 30 s at the latest.
         certificate: Ask for a certificate, with which the commands are carried out as

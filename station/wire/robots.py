@@ -78,8 +78,8 @@ class ArmReport(ResponseModel):
         connected: Whether the station is connected to the arm.
         errors: Present errors, or else the errors that ended the last motion.
         remedy: Step needed before the arm can move; empty when it can.
-        caution: Estimates of external forces near a collision's threshold,
-            and what to do; empty when none is.
+        caution: Warning that estimates of external forces come near the threshold of a
+            collision, and advice; empty when they do not.
     """
 
     arm_id: str
@@ -261,7 +261,8 @@ class Load(RequestModel):
     Attributes:
         mass: Mass [kg], 0 to the largest load of the arm.
         F_x_center_load: Centre of mass in the flange frame [m].
-        load_inertia: About it [kg m^2], column-major.
+        load_inertia: Inertia about the centre of mass [kg m^2], column-major, shape
+            (9,).
 
     Example:
         {"mass": 0.5, "F_x_center_load": [0.0, 0.0, 0.1], "load_inertia": [0.001, 0.0,
@@ -411,9 +412,9 @@ class ArmModel(ResponseModel):
         mass: Mass matrix [kg m^2], 7 x 7.
         coriolis: Coriolis torques [Nm], shape (7,).
         gravity: Torques that hold the arm against `O_ddP_O` [Nm].
-        pose: In the base frame, 4 x 4.
-        zero_jacobian: Axes of the base, 6 x 7.
-        body_jacobian: Axes of the frame, 6 x 7.
+        pose: Pose of the frame in the base frame, 4 x 4.
+        zero_jacobian: Jacobian in the axes of the base, 6 x 7.
+        body_jacobian: Jacobian in the axes of the frame, 6 x 7.
     """
 
     frame: Annotated[FrameName, FromEnum]
@@ -518,9 +519,9 @@ class FrankaState(ResponseModel):
         O_dP_EE_c: Commanded twist, shape (6,).
         O_ddP_EE_c: Its rate [m/s^2, rad/s^2], shape (6,).
         O_ddP_O: Acceleration of gravity in O [m/s^2], shape (3,).
-        least_clearance: Distance of the link and the object that are nearest to each
-            other by their margin [m]; null where the arm keeps clear of nothing.
-        nearest_pair: Names of the two; empty for none.
+        least_clearance: Distance of the link and the object with the least gap, i.e.
+            distance less margin [m]; null if the arm keeps clear of no object.
+        nearest_pair: Names of this link and this object; empty without them.
     """
 
     robot_mode: RobotModeName
@@ -616,10 +617,11 @@ class Gripper(ResponseModel):
     Attributes:
         arm_id: The arm it belongs to.
         width: Distance between the fingers [m].
-        max_width: Largest one, as the last homing has measured it [m].
+        max_width: Largest distance between the fingers, as the last homing measured it
+            [m].
         is_grasped: Something of the expected width is held.
-        temperature: Of the gripper [degree Celsius].
-        time: Of the gripper [s]; never goes back.
+        temperature: Temperature of the gripper [degree Celsius].
+        time: Time of the gripper [s]; never goes back.
         activity: Activity of the fingers. `holding`: they press with the force of
             the last grasp. `controlled`: a controller claims their joints.
         force: Force of each finger, > 0 outwards [N].
@@ -643,7 +645,7 @@ class GripperMoveRequest(RequestModel):
     """Open or close to a width.
 
     Attributes:
-        width: 0 to the largest one [m].
+        width: Distance between the fingers [m], 0 to `max_width`.
         speed: How fast the width changes, at most 0.4 [m/s].
 
     Example:

@@ -70,7 +70,7 @@ class SceneObjectRequest(RequestModel):
         type: Kind of object; a new one needs it.
         size: Edges of a box or table; radius of a sphere; radius and height of a
             cylinder; radius of a capsule and length of its axis [m].
-        position: Of its middle, of the middle of the top of a table [m].
+        position: Position of its middle; for a table, of the middle of its top [m].
         rpy: Roll, pitch and yaw [rad].
         orientation: Unit quaternion x, y, z, w, in place of `rpy`.
         role: Role for the robots; a new object has keep_out or fence.
@@ -113,9 +113,9 @@ class SceneObject(ResponseModel):
         type: Kind of object; a table is a box.
         size: Edges of a box or table; radius of a sphere; radius and height of a
             cylinder [m]; empty for a mesh.
-        position: Of its middle, in the world [m], shape (3,).
+        position: Position of its middle in the world [m], shape (3,).
         orientation: Unit quaternion x, y, z, w.
-        mass: [kg]; 0 for a thing that cannot move.
+        mass: Mass [kg]; 0 for an object that cannot move.
         file: File of a mesh, on the station's machine.
         role: `keep_out`: arms keep clear of it; `fence`: they stay inside.
         margin: Distance that arms keep from it, unless it is an `object` [m].
@@ -149,8 +149,7 @@ class AttachRequest(RequestModel):
 
     Attributes:
         arm: Name of the arm; may be left out where there is only one.
-        load: Whether the load of the arm is set, too, which it refuses
-            while it moves.
+        load: Whether to set the load of the arm, too; an arm that moves refuses this.
 
     Example:
         {"arm": "panda"}
@@ -161,11 +160,11 @@ class AttachRequest(RequestModel):
 
 
 class DetachRequest(RequestModel):
-    """Let an object stay where it is.
+    """Let an arm put an object down: the object stays where it is.
 
     Attributes:
-        load: Whether the load of the arm is set to the rest, which it refuses while
-            it moves.
+        load: Whether to set the load of the arm to the objects that it still carries;
+            an arm that moves refuses this.
 
     Example:
         {"load": true}
@@ -189,7 +188,7 @@ class MovingBase(ResponseModel):
 
     Attributes:
         link: Name of the root link.
-        position: Of its frame, in the world [m], shape (3,).
+        position: Position of its frame in the world [m], shape (3,).
         orientation: Unit quaternion x, y, z, w.
 
     Example:
@@ -206,10 +205,10 @@ class Contact(ResponseModel):
     """A point at which two bodies of a simulated world touch.
 
     Attributes:
-        bodies: Names of the two links or things; `world` is the floor.
+        bodies: Names of the two links or objects; `world` is the floor.
         position: The point, in the world [m], shape (3,).
-        force: On the second body in the last step, axes of the world [N], shape (3,);
-            the first one feels the opposite.
+        force: Force on the second body in the last step, in axes of the world [N],
+            shape (3,); the first body feels the opposite force.
 
     Example:
         {"bodies": ["world", "cube"], "position": [0.5, 0.02, 0.0], "force": [0.0, 0.0,
@@ -225,10 +224,10 @@ class Scene(ResponseModel):
     """All objects in the world besides robots, and the contacts.
 
     Attributes:
-        objects: The things; empty where there are none, and around a real robot.
+        objects: The objects; empty when there are none, and around a real robot.
         contacts: The contacts, 64 at most; empty around a real robot, which has no
             sensors for them.
-        clearances: For each arm that keeps clear of something the nearest pair.
+        clearances: The nearest pair of each arm that keeps clear of objects.
         bases: Poses of the root links of simulated robots with a floating or planar
             base; empty where all robots are fixed.
     """

@@ -45,11 +45,11 @@ class Ready(ResponseModel):
 
 
 class Kernel(ResponseModel):
-    """The arithmetic of the control cycle: how it runs.
+    """Implementation of the control cycle that runs: compiled or interpreted.
 
     Attributes:
-        mode: Compiled modules, or their Python sources interpreted.
-        reason: Reason, and how to change it.
+        mode: `compiled`: compiled modules; `interpreted`: their Python sources.
+        reason: Why this mode runs, and how to change it.
     """
 
     mode: Literal["compiled", "interpreted"]
@@ -57,11 +57,11 @@ class Kernel(ResponseModel):
 
 
 class CommandViolations(ResponseModel):
-    """Commands that were written without a claim on their resource, and put to rest.
+    """Commands written without a claim on their resource; the station rests them.
 
     Attributes:
         count: How many there were.
-        last: Last write by a foreign controller; empty without one.
+        last: Description of the last of these commands; empty without one.
     """
 
     count: int = 0
@@ -84,16 +84,16 @@ class Status(ResponseModel):
         stop_reason: Why it was engaged last.
         loop: State and statistics of the control loop.
         kernel: Whether the arithmetic of the cycle runs interpreted or compiled; null
-            from a station that does not tell.
+            from an older station.
         simulation: How simulated time passes; null for a real robot.
         robots: The arms with their modes and errors.
         versions: Versions of the station and of the packages below it.
         clamps: Commands that limits cut off; empty if none ever was.
         command_violations: Commands that were written without a claim.
-        events: How the event log is doing; null from a station that does not tell.
+        events: How the event log is doing; null from an older station.
         operator: Name of the holder of control; null without one.
-        recording: The recording that runs, or the last one since the start of the
-            station, which says whether it failed; null without one.
+        recording: The running recording, or else the last one since the start of the
+            station, also when it failed; null without one.
         recorder_failure: Why the station has stopped recording, or could not keep an
             incident; empty while all is well.
     """
@@ -154,7 +154,8 @@ class StopState(ResponseModel):
             the cause is gone, motion must still be armed.
         reason: Why it was engaged last; empty if it never was.
         epoch: Present epoch; commands of older ones are void.
-        pending: Engaged, and no cycle has carried it out yet; the epoch changes then.
+        pending: Whether the stop is engaged but not yet carried out by a cycle, which
+            will change the epoch.
     """
 
     state: StopStateName
@@ -164,7 +165,7 @@ class StopState(ResponseModel):
 
 
 class JointStates(ResponseModel):
-    """`sensor_msgs/JointState`: one cycle's joints, shape (n,) each.
+    """States of the joints in one cycle, as `sensor_msgs/JointState`; shape (n,) each.
 
     Attributes:
         stamp: Station time [s].
@@ -212,10 +213,10 @@ class Session(ResponseModel):
 
 
 class StreamTicket(ResponseModel):
-    """Opens one WebSocket, once.
+    """A ticket that opens one WebSocket, once.
 
     Attributes:
-        ticket: Goes into the query, `?ticket=…`.
+        ticket: Text for the query of the WebSocket's address, `?ticket=…`.
         expires_in: How long it is valid [s].
     """
 
