@@ -28,13 +28,13 @@ from station.core.yaml_reader import (
 
 _PREFIX = "STATION_"
 _BETWEEN = "__"
-# The arm whose name the defaults give to a robot without `arm`, as franka_ros has it.
+# Value of `$(arg arm)` for a robot without the parameter `arm`, as in franka_ros.
 _ARM = "panda"
 _Section = dict[str, object]
 
 
 class _Environment(BaseSettings):
-    """The sections, which map variables to keys; values are read as YAML."""
+    """The sections of a configuration, filled from environment variables."""
 
     model_config = SettingsConfigDict(
         env_prefix=_PREFIX, env_nested_delimiter=_BETWEEN, extra="ignore"
@@ -97,14 +97,14 @@ def load_config(
 ) -> StationConfig:
     """Return the configuration of a station.
 
-    Later sources win over earlier ones, in this order: the defaults, the file,
+    Later sources override earlier ones, in this order: the defaults, the file,
     environment variables, flags, controller files.
 
     Args:
-        path: The station's YAML file, or the content of one; None takes the
+        path: The station's YAML file, or the content of such a file; None takes the
             defaults only.
         controller_files: Parameter files written for ROS, added to `controllers`.
-        flags: The values set on the command line by dotted key, such as `api.port`.
+        flags: Values of the command line, by dotted key such as `api.port`.
 
     Raises:
         ConfigError: A file cannot be read, or a value is not allowed.
@@ -123,7 +123,7 @@ def load_config(
 
 
 class _Merge:
-    """Mappings merged one over the other, and the source of each value."""
+    """Mappings merged over each other, and the source of each value."""
 
     def __init__(self) -> None:
         self.values: dict[str, object] = {}
@@ -131,7 +131,7 @@ class _Merge:
         self._parameters: dict[str, object] = {}
 
     def where(self, path: KeyPath) -> str:
-        """Return the source that wrote the value at `path` last."""
+        """Return the last source that has set the value at `path`."""
         for prefix, source in reversed(self._sources):
             if path[: len(prefix)] == prefix:
                 return source if isinstance(source, str) else source.where(path)
@@ -141,7 +141,8 @@ class _Merge:
         """Merge a file over the values so far.
 
         Raises:
-            ConfigError: The file has a section such as `parameters`, which it may not.
+            ConfigError: The file has a section that is not allowed, such as
+                `parameters`.
         """
         values = document.values
         for section in _INNER_SECTIONS & values.keys():
@@ -165,8 +166,8 @@ class _Merge:
         """Add the controllers and other parameters of files written for ROS.
 
         Raises:
-            ConfigError: A name is in two namespaces, a key is misspelt, or parameters
-                of ROS 2 do not fit.
+            ConfigError: Two namespaces have the same name, a key is misspelt, or
+                parameters of ROS 2 do not fit their controller.
         """
         found, sources = RosParameters(), list[tuple[KeyPath, str | YamlDocument]]()
         before = self.values.get("controllers")
@@ -228,7 +229,7 @@ class _Merge:
             self.values[section] = substitute(values, arguments, section)
 
     def _name_arm(self, arm_id: str) -> None:
-        """Give the examples of franka_ros2 their arm, which their files do not name."""
+        """Give the example controllers of franka_ros2 the arm that their files omit."""
         controllers = self.values.get("controllers")
         names = self.values.get("ros_controllers")
         if not isinstance(controllers, dict) or not isinstance(names, frozenset):
@@ -290,7 +291,7 @@ class _Merge:
 
 
 def _relative_to(directory: Path, robot: object) -> object:
-    """Return a robot's parameters with paths of URDFs relative to `directory`."""
+    """Return a robot's parameters, with relative URDF paths joined to `directory`."""
     if not isinstance(robot, dict):
         return robot
     found: dict[str, object] = {}

@@ -32,7 +32,7 @@ PluginType = Annotated[str, Field(pattern=PLUGIN_PATTERN)]
 """`package/Class` or `module:Class`."""
 
 ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
-"""A Python module; the modules inside of a package belong to it."""
+"""A Python module; the name of a package stands for all modules in it."""
 
 
 WebOrigin = Annotated[str, Field(pattern=ORIGIN_PATTERN)]
@@ -43,14 +43,14 @@ FileName = Annotated[str, Field(min_length=1)]
 
 
 def _word_of_switch(value: object) -> object:
-    """Return `off` for the value that YAML 1.1 makes of the word."""
+    """Return `off` for False, to which YAML 1.1 converts the word `off`."""
     return "off" if value is False else value
 
 
 RehearsalPolicy = Annotated[
     Literal["off", "advise", "required"], BeforeValidator(_word_of_switch)
 ]
-"""Whether motions have to be rehearsed."""
+"""Policy of rehearsals: whether a motion must be rehearsed before."""
 
 
 class _Section(BaseModel):
@@ -60,7 +60,7 @@ class _Section(BaseModel):
 
 
 def _within(lower: float, upper: float) -> Callable[[float], float]:
-    """Return a check of a number, whose refusal names both ends of the range."""
+    """Return a check of a number; its error names both ends of the range."""
 
     def check(value: float) -> float:
         if not lower <= value <= upper:
@@ -85,7 +85,7 @@ class LoopSection(_Section):
         controller_modules: Python modules whose controllers may be loaded as
             `module:Class` while the station runs.
         hardware_components_initial_state: Names of the hardware components that do not
-            begin as active ones, by their states.
+            begin in the active state, by their initial states.
     """
 
     rate: float = Field(ge=1.0, le=10_000.0)
@@ -143,7 +143,7 @@ class Controller(_Section):
 
 
 class TlsSection(_Section):
-    """The certificate and the key of the server; both files or none.
+    """Certificate and key of the server; the configuration has both files or none.
 
     Attributes:
         certificate: PEM file with the certificate chain; None serves without TLS.
@@ -168,9 +168,9 @@ class ApiSection(_Section):
     Attributes:
         host: Address to listen at.
         port: TCP port; 0 for any free one.
-        token: The operator's token; None has a random one made.
-        tls: Certificate and key, with which it serves https and wss only.
-        allowed_origins: Origins of web pages elsewhere that may use it.
+        token: The operator's token; with None the station makes a random one.
+        tls: Certificate and key; with them the server speaks https and wss only.
+        allowed_origins: Origins of web pages from other servers that may use the API.
     """
 
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
@@ -186,8 +186,8 @@ class UiSection(_Section):
     Attributes:
         enabled: Whether to start it.
         port: TCP port at the API's host; 0 for any free one.
-        reconnect_window: Time in which the dashboard keeps all sessions and waits for
-            another station when its own has crashed [s]; then it ends.
+        reconnect_window: Time for which the dashboard keeps its sessions after a crash
+            of the station, and waits for the next station [s]; then the dashboard ends.
     """
 
     enabled: bool
@@ -196,14 +196,14 @@ class UiSection(_Section):
 
 
 class WatchdogSection(_Section):
-    """The process beside the station that sees whether the control loop lives.
+    """The process beside the station that watches whether the control loop runs.
 
     Attributes:
         enabled: Whether to start it.
         notice_after: Age of the loop's last wake-up that counts as a standstill [s];
             two periods of the loop if that is more.
-        end_after: Duration of a standstill after which the station is ended [s]; null:
-            never, e.g. for a debugger.
+        end_after: Duration of a standstill after which the watchdog ends the station
+            [s]; null never ends it, e.g. for a debugger.
     """
 
     enabled: bool
@@ -216,10 +216,10 @@ class RecordsSection(_Section):
 
     Attributes:
         enabled: Whether the station can record, and keeps incidents.
-        directory: Folder of the files; null for the user's own.
+        directory: Folder of the files; null for the folder in the user's home.
         max_bytes: Most bytes of all recordings together.
         max_count: Most recordings.
-        incidents: Most incidents that are kept, the newest; 0 keeps none.
+        incidents: Number of the newest incidents that are kept; 0 keeps none.
     """
 
     enabled: bool
@@ -246,13 +246,13 @@ class ToolPortSection(_Section):
 
 
 class RehearsalSection(_Section):
-    """The need of a rehearsal before a motion, and how exactly it has to be kept to.
+    """Policies of rehearsals, and how closely a motion must follow its rehearsal.
 
     Attributes:
-        operator: For people.
-        agent: For tokens of the role `agent`.
-        pose_tolerance: How far a joint may be from where the rehearsal began when the
-            command is given [rad or m].
+        operator: Policy for operators.
+        agent: Policy for tokens of the role `agent`.
+        pose_tolerance: When the command is given, how far a joint may be from its
+            position at the begin of the rehearsal [rad or m].
         tube: How far a joint may be from the rehearsed motion [rad or m].
     """
 
@@ -268,8 +268,9 @@ class FciSection(_Section):
     Attributes:
         enabled: Whether programs of libfranka can connect to the simulated arm.
         host: Address to listen at; the port is libfranka's. There are no tokens.
-        version: The only version of the protocol; None: whichever a client asks for.
-        desk: TCP port of Desk; None: there is no Desk.
+        version: The only version of the protocol; None accepts the version that a
+            client asks for.
+        desk: TCP port of Desk, Franka's web interface; None starts no Desk.
     """
 
     enabled: bool
@@ -287,21 +288,22 @@ def _in_order(ends: tuple[float, float]) -> tuple[float, float]:
     return ends
 
 
-# YAML has no tuples: the list of a range is taken for one, its numbers are still
-# strict.
+# YAML has no tuples, so a range may be a list; its numbers stay strict.
 Range = Annotated[tuple[float, float], Field(strict=False), AfterValidator(_in_order)]
 """The lower and the upper end of a range."""
 
 
 class EnvelopeSection(_Section):
-    """Bounds of the motions of agents, beside the robot's own.
+    """Bounds on the motions of agents, in addition to the robot's limits.
 
     Attributes:
-        joints: Range of positions by joint [rad or m]; others have the robot's.
+        joints: Range of positions by joint [rad or m]; other joints have only the
+            robot's limits.
         workspace: Ranges of x, y and z of end effectors in the base frame of their arm
             [m].
-        speed: Highest speed of any joint [rad/s or m/s]; None for the robot's.
-        force: Highest force of a contact [N]; None for any.
+        speed: Highest speed of any joint [rad/s or m/s]; None for the robot's limits
+            only.
+        force: Highest force of a contact [N]; None for no bound.
     """
 
     joints: dict[str, Range] = Field(default_factory=dict)
@@ -317,7 +319,7 @@ class AgentsSection(_Section):
         approval: `always`: a person allows each change; `never`: no person is asked,
             which is possible only in a simulation that is paused and stepped.
         wait: How long a request waits for a person [s].
-        envelope: Bounds of their motions.
+        envelope: Bounds on their motions.
     """
 
     approval: Literal["always", "never"] = "always"
@@ -330,16 +332,16 @@ Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class CameraSection(_Section):
-    """A camera that looks at the robots, drawn from where they are.
+    """A simulated camera, whose pictures show the robots at their present poses.
 
     Attributes:
-        frame: Link that it hangs on; empty for the world.
-        position: Its place in that frame [m].
-        target: The place there that is in the middle of its picture [m].
-        up: Direction there that is up in its picture.
+        frame: Link that carries it; empty when it is fixed in the world.
+        position: Its position in that frame [m], shape (3,).
+        target: Point of that frame in the middle of its picture [m], shape (3,).
+        up: Direction in that frame that points up in its picture, shape (3,).
         fov: Angle between the upper and the lower edge of its picture [rad].
-        width: Of its picture [px].
-        height: Of its picture [px].
+        width: Width of its picture [px].
+        height: Height of its picture [px].
         rate: Pictures per second, at most, while a client reads them [Hz].
     """
 
@@ -374,11 +376,11 @@ class StationConfig(_Section):
         robot: The robot.
         scene: The objects around a simulated robot.
         controllers: Controllers to load, by name.
-        start: Names of those to start, in order.
+        start: Names of the controllers to start, in order.
         parameters: Other parameters of the controller files (`joint_limits` …), which
             controllers and robots may read.
-        ros_controllers: Names of the controllers of files written for ROS, whose
-            parameters may have names that no controller here knows.
+        ros_controllers: Names of the controllers from files written for ROS, which may
+            have parameters that no controller of the station knows.
         api: The server.
         ui: The dashboard.
         watchdog: The process beside the station.
@@ -387,7 +389,7 @@ class StationConfig(_Section):
         rosbridge: The server for clients of rosbridge.
         agents: Programs that ask people before they change anything.
         fci: The server for programs of libfranka.
-        rehearsal: The need of rehearsals before motions.
+        rehearsal: Policies of rehearsals before motions.
         cameras: Cameras, by name.
         arguments: Values of `$(var NAME)` in parameter files, by name.
     """
@@ -414,8 +416,8 @@ class StationConfig(_Section):
     def controller_modules(self) -> frozenset[str]:
         """Return the modules whose controllers may be loaded as `module:Class`.
 
-        They are the ones that the configuration lists, and the ones that the types of
-        its own controllers name.
+        These are the modules that the configuration lists, and the modules that the
+        types of its controllers name.
         """
         types = (controller.type for controller in self.controllers.values())
         named = (kind.partition(":")[0] for kind in types if ":" in kind)

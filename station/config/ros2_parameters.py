@@ -1,8 +1,8 @@
 """Parameter files written for ROS 2: nodes, wildcards, and names of ros2_controllers.
 
 A file of ROS 2 has the parameters of nodes below `ros__parameters`. The node of a
-controller manager tells the types of controllers, each of which is a node, too. A key
-of a node may be a pattern: `*` stands for one name, `**` for any number of them. Where
+controller manager names the types of controllers; each controller is a node, too. A key
+of a node may be a pattern: `*` stands for one name, `**` for any number of names. If
 several keys fit a node, values that come later in the file win.
 
 Source: ros2 rcl_yaml_param_parser; ros2_controllers@4.x, the parameters of each.
@@ -33,17 +33,17 @@ def read_ros2(
     name: str,
     types: Mapping[str, str] | None = None,
 ) -> tuple[dict[str, Values], Values]:
-    """Return the controllers and the other nodes of files of ROS 2.
+    """Return the controllers and the other nodes in parameter files of ROS 2.
 
-    Controllers have the types and the parameters that the station has for them. A
-    controller has its own name; of two in different namespaces with the same name, each
-    has its namespace in front of it, as `left_arm`.
+    Types and parameters of controllers are translated into those of the station. A
+    controller keeps its name; if controllers in different namespaces have the same
+    name, each name gets its namespace as a prefix, e.g. `left_arm`.
 
     Args:
         files: The content of each file; later values win, as in one file.
-        name: The files, for messages.
-        types: Types of controllers that another place names, by name: a launch file of
-            ROS 2 may have them.
+        name: Name of the files for messages.
+        types: Types of controllers that the files do not name, by name of the
+            controller: a launch file of ROS 2 may name them.
 
     Returns:
         The parameters of each controller, `type` among them, by name, and those of
@@ -59,7 +59,7 @@ def read_ros2(
         known = params.get("type") or (types or {}).get(path[-1])
         own = {"": {"type": known}} if isinstance(known, str) else {}
         is_manager = path[-1] == _MANAGER
-        # A pattern for a whole namespace has no namespace of its own.
+        # The wildcards of a pattern are no part of a namespace.
         space = tuple(part for part in path[:-1] if "*" not in part)
         for key, value in params.items() if is_manager else own.items():
             if isinstance(value, dict) and _is_type(value.get("type")):
@@ -102,11 +102,12 @@ def _nodes(
 
 
 def _nested(values: Mapping[str, object]) -> Values:
-    """Return values in which `a.b: 1` is `a: {b: 1}`."""
+    """Return the values with `a.b: 1` written as `a: {b: 1}`."""
     result: Values = {}
     for key, value in values.items():
         inner = _nested(value) if isinstance(value, dict) else value
-        # A filter of one input has the name of the input, with its slash.
+        # A filter of a single input is named after the input, with the slash in its
+        # name.
         for part in reversed(_SEPARATORS.split(str(key))):
             inner = {part: inner}
         _merge(result, inner)  # type: ignore[arg-type]  # a key has at least one part
@@ -143,10 +144,10 @@ def translate(params: Values, place: str) -> Values:
 
     Args:
         params: The parameters, `type` among them.
-        place: Name of the file, for messages.
+        place: Name of the file for messages.
 
     Raises:
-        ConfigError: No controller of the station commands these interfaces.
+        ConfigError: No controller type of the station commands these interfaces.
     """
     change = _TRANSLATIONS.get(str(params["type"]))
     return dict(params) if change is None else change(dict(params), place)
@@ -177,12 +178,12 @@ def _trajectory(params: Values, place: str) -> Values:
     kind = _kind(params.pop("command_interfaces", None), place)
     params["type"] = f"{kind}/JointTrajectoryController"
     params.pop("state_interfaces", None)
-    # Interfaces of a driver; here it is the factor itself.
+    # In ROS 2 `speed_scaling` may name interfaces of a driver; here it is a factor.
     if isinstance(params.get("speed_scaling"), dict):
         del params["speed_scaling"]
     joints = params.pop("command_joints", None) or params.get("joints")
     params["joints"] = joints
-    # One of two places has the gain of the desired velocity.
+    # ROS 2 has the feed-forward gain of the velocity among the gains of a joint.
     for joint, gains in (params.get("gains") or {}).items():
         scale = gains.pop("ff_velocity_scale", None)
         if scale is not None:
@@ -200,7 +201,7 @@ def _forward(params: Values, place: str) -> Values:
 def _joint_states(params: Values, place: str) -> Values:  # noqa: ARG001 - as the others
     params["type"] = "joint_state_controller/JointStateController"
     params.setdefault("publish_rate", 50.0)
-    # In ROS 2 no joints stand for all.
+    # In ROS 2 an empty list of joints stands for all joints.
     if not params.get("joints"):
         params.pop("joints", None)
     return params
@@ -216,7 +217,7 @@ def _diff_drive(params: Values, place: str) -> Values:  # noqa: ARG001 - as the 
     for side in ("left", "right"):
         if f"{side}_wheel_names" in params:
             params[f"{side}_wheel"] = params.pop(f"{side}_wheel_names")
-    # Here both wheels have one multiplier.
+    # In the station both wheels have the same multiplier.
     sides = [f"{side}_wheel_radius_multiplier" for side in ("left", "right")]
     left, right = (params.get(key) for key in sides)
     if left is not None and left == right:
@@ -225,7 +226,7 @@ def _diff_drive(params: Values, place: str) -> Values:  # noqa: ARG001 - as the 
             del params[key]
     if "publish_limited_velocity" in params:
         params["publish_cmd"] = params.pop("publish_limited_velocity")
-    # A limit that is a number is on; in ros_control a flag tells that.
+    # In ROS 2 a limit holds if it is given; ros_control needs a flag, too.
     for part in (params.get("linear", {}).get("x"), params.get("angular", {}).get("z")):
         for kind in ("velocity", "acceleration", "jerk") if part else ():
             if f"max_{kind}" in part:
@@ -234,7 +235,7 @@ def _diff_drive(params: Values, place: str) -> Values:  # noqa: ARG001 - as the 
 
 
 _TRANSLATIONS: Mapping[str, Callable[[Values, str], Values]] = {
-    # Its speed scaling is that of every trajectory controller here.
+    # In the station every trajectory controller scales its speed.
     "ur_controllers/ScaledJointTrajectoryController": _trajectory,
     "joint_trajectory_controller/JointTrajectoryController": _trajectory,
     "forward_command_controller/ForwardCommandController": _forward,

@@ -1,7 +1,8 @@
 """Parameter files written for ROS: namespaces, substitutions, lists of controllers.
 
 In ROS a file like `panda: {arm_controller: {type: …}}` puts a controller into the
-namespace of a controller manager. A station has one manager, so the namespace goes.
+namespace of a controller manager. A station has a single manager, so the namespace is
+dropped.
 """
 
 import difflib
@@ -20,8 +21,8 @@ _ONE_MANAGER = (
 T = TypeVar("T")
 _TYPE = re.compile(r"[A-Za-z_][\w.]*[/:][A-Za-z_]\w*")
 # Keys besides controllers that a station reads. Files written for ROS may have any
-# other, so only a name that is nearly one of these is refused: at 0.8 `sceen` is, and
-# MoveIt's `robot_description_planning` is not.
+# other key, so only a name that resembles one of these is refused: a similarity of 0.8
+# refuses `sceen`, and accepts MoveIt's `robot_description_planning`.
 _ROOT_KEYS = ("joint_limits", "robot_description", "scene")
 _NEARLY = 0.8
 
@@ -41,14 +42,14 @@ class RosParameters:
     paths: dict[str, str] = field(default_factory=dict)
 
     def add_file(self, other: "RosParameters", name: str) -> None:
-        """Add the values of another file, as `rosparam load` does: they win.
+        """Add the values of another file; they override, as with `rosparam load`.
 
         Args:
             other: The content of the other file.
-            name: The other file, for messages.
+            name: Name of the other file for messages.
 
         Raises:
-            ConfigError: Both files have a name, and in two namespaces.
+            ConfigError: Both files have the same name in different namespaces.
         """
         for key, path in other.paths.items():
             before = self.paths.get(key, path)
@@ -68,16 +69,17 @@ def split_ros_parameters(
     """Separate the controllers in a ROS parameter file from other parameters.
 
     A controller is a mapping with a `type` of the form `package/Class`; a namespace is
-    a mapping with a controller somewhere below it. MoveIt's `controller_list` stands
-    for the controllers that it names, as far as the file does not have them itself.
+    a mapping with a controller somewhere below it. MoveIt's `controller_list` defines
+    the controllers that it names, unless the file defines them itself.
 
     Args:
         values: The content of the file.
-        name: The file, for messages.
-        types: Types that another place names, for files of ROS 2; see `read_ros2`.
+        name: Name of the file for messages.
+        types: Types of controllers that the file does not name, for files of ROS 2; see
+            `read_ros2`.
 
     Raises:
-        ConfigError: A name is in two namespaces, a key that the station reads is
+        ConfigError: Two namespaces have the same name, a key that the station reads is
             misspelt, or parameters of ROS 2 do not fit; see `read_ros2`.
     """
     found = RosParameters()
@@ -85,7 +87,7 @@ def split_ros_parameters(
         return join_ros2([values], name, types)
     _collect(values, "", found, name)
     if LIST in found.others:
-        # What the file says of a controller itself goes before MoveIt's view of it.
+        # The file's own entry for a controller overrides the one in MoveIt's list.
         listed = controllers_of_list(found.others.pop(LIST), name)
         found.controllers = {**listed, **found.controllers}
     return found
@@ -96,15 +98,15 @@ def join_ros2(
     name: str,
     types: Mapping[str, str] | None = None,
 ) -> RosParameters:
-    """Join files of ROS 2: types may be in one, parameters in another.
+    """Join files of ROS 2: one may have the types, another the parameters.
 
     Args:
-        files: The content of each, in their order.
-        name: The files, for messages.
-        types: Types that another place names; see `read_ros2`.
+        files: The content of each file, in their order.
+        name: Name of the files for messages.
+        types: Types of controllers that the files do not name; see `read_ros2`.
 
     Raises:
-        ConfigError: Something does not fit; see `read_ros2`.
+        ConfigError: Parameters do not fit their controller; see `read_ros2`.
     """
     controllers, others = read_ros2(files, name, types)
     paths = {key: key for key in (*controllers, *others)}
@@ -133,7 +135,7 @@ def _refuse_misspelling(path: str, value: object, name: str) -> None:
     meant = difflib.get_close_matches(key, _ROOT_KEYS, 1, _NEARLY)
     if key not in _ROOT_KEYS and meant:
         _refuse_key(path, meant[0], name)
-    # A controller without `type` would be taken for parameters of something else.
+    # Without `type`, a controller would be taken for other parameters.
     for inner, kind in value.items() if isinstance(value, dict) else ():
         is_type = isinstance(kind, str) and _TYPE.fullmatch(kind) is not None
         if is_type and difflib.get_close_matches(inner.lower(), ["type"], 1, 0.7):
@@ -158,7 +160,7 @@ def _add(found: dict[str, T], path: str, value: T, name: str) -> None:
 
 
 def _merged(before: Mapping[str, T], after: Mapping[str, T]) -> dict[str, T]:
-    """Return two mappings as one, mappings below them as well; `after` wins."""
+    """Merge two mappings and the mappings in them; values of `after` win."""
     result: dict[str, Any] = dict(before)
     for key, value in after.items():
         old = result.get(key)
@@ -185,15 +187,15 @@ def substitute(value: object, arguments: dict[str, str], name: str) -> object:
     Args:
         value: Plain data.
         arguments: The values that the names stand for.
-        name: The file, for messages.
+        name: Name of the file for messages.
 
     Raises:
         ConfigError: An argument is unknown, or the substitution is not `arg` but
             `find`, `env` or another one.
 
     Source:
-        ros_comm@1.17.0 tools/rosparam, `subst_value`; differs: `arg` is the only one
-        of roslaunch's substitutions that is understood.
+        ros_comm@1.17.0 tools/rosparam, `subst_value`; differs: `arg` is the only
+        substitution of roslaunch that is carried out.
     """
     if isinstance(value, dict):
         return {
@@ -206,7 +208,7 @@ def substitute(value: object, arguments: dict[str, str], name: str) -> object:
         return value
 
     def replacement(match: re.Match[str]) -> str:
-        # `var` is the word of ROS 2.
+        # ROS 2 writes `var` for `arg`.
         if match[1] in {"arg", "var"} and match[2].strip() in arguments:
             return arguments[match[2].strip()]
         allowed = ", ".join(f"$(arg {argument})" for argument in arguments)
@@ -230,7 +232,7 @@ def controllers_of_list(value: object, name: str) -> dict[str, dict[str, object]
 
     Args:
         value: The list, as it is written.
-        name: The file, for messages.
+        name: Name of the file for messages.
 
     Raises:
         ConfigError: An entry has no name or no joints, or an unknown type.
@@ -238,7 +240,7 @@ def controllers_of_list(value: object, name: str) -> dict[str, dict[str, object]
     Source:
         moveit@1.1 moveit_simple_controller_manager for `controller_list` with the types
         FollowJointTrajectory and GripperCommand; moveit_setup_assistant for the form of
-        ros_control, in which a type is that of a controller.
+        ros_control, in which a type names a controller.
     """
     if not isinstance(value, list):
         raise ConfigError(
@@ -260,7 +262,7 @@ def controllers_of_list(value: object, name: str) -> dict[str, dict[str, object]
 
 def _parameters(entry: dict[str, object], place: str) -> dict[str, object] | None:
     kind, joints = entry.get("type"), entry.get("joints")
-    # Fake controllers have no type, and some lists have joints of nobody.
+    # Fake controllers have no type, and some lists have entries without joints.
     if kind is None or joints == []:
         return None
     if not isinstance(joints, list) or not all(isinstance(j, str) for j in joints):

@@ -15,7 +15,7 @@ from station.config.models import (
 from station.core.errors import ConfigError, key_text, show
 from station.core.yaml_reader import KeyPath
 
-# Names in the parameter tree that controllers cannot have.
+# Names that controllers cannot have, because the parameter tree uses them.
 RESERVED_NAMES = frozenset({"robot", "robot_description", "scene"})
 _REMEDY = "Correct the configuration and start again."
 _WANTED = {
@@ -41,14 +41,14 @@ _PATTERNS = {
 def validate(
     values: dict[str, object], where: Callable[[KeyPath], str]
 ) -> StationConfig:
-    """Return the configuration that `values` describe.
+    """Return the validated configuration that `values` describe.
 
     Args:
         values: The merged mappings.
-        where: Returns where the value at a path was written.
+        where: Function that returns the source of the value at a path.
 
     Raises:
-        ConfigError: Something is not allowed; the message names every such value.
+        ConfigError: Values are not allowed; the message names each of them.
     """
     try:
         config = StationConfig.model_validate(values)
@@ -101,7 +101,7 @@ def _complaint(details: ErrorDetails) -> str:
 
 
 def _siblings(path: tuple[str | int, ...]) -> list[str]:
-    """Return the keys that are allowed where an unknown one was found."""
+    """Return the keys that are allowed in the place of an unknown key."""
     model: type[BaseModel] = StationConfig
     for part in path[:-1]:
         if part in model.model_fields:

@@ -1,7 +1,8 @@
-"""Alarms: conditions that ask for a person, kept until they are gone and seen.
+"""Alarms: conditions that need a person, kept until they are over and acknowledged.
 
 An alarm stays in the list until its cause is gone and a person has acknowledged it, in
-either order, as in ISA-18.2. Acknowledging says "seen"; it clears and moves nothing.
+either order, as in ISA-18.2. Acknowledging only notes that a person has seen the alarm:
+it ends no cause and moves no robot.
 """
 
 import threading
@@ -18,18 +19,19 @@ from station.events.event_log import EventLog
 from station.reports import EventKind, Severity
 
 MAX_ALARMS = 200
-"""Alarms that are kept; beyond, the oldest whose cause is gone are given up."""
+"""Most alarms that are kept; beyond it, the oldest ones whose cause is gone are
+deleted."""
 
 
 class AlarmNotFoundError(StationError, KeyError):
-    """There is no alarm of that number any longer, or there never was one."""
+    """There is no alarm of that number, or it is over."""
 
     code = "alarm_not_found"
 
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """Present condition that asks for a person.
+    """A present condition that needs a person.
 
     Attributes:
         subject: Part in trouble, e.g. `stop`, `robot panda` or `controller joint_7`.
@@ -46,15 +48,16 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """A cause, the time since when it has lasted, and its acknowledgement.
+    """A cause with the times of its begin and end, and its acknowledgement.
 
     Attributes:
         id: Number of the alarm, from 1; a cause that returns gets a new one.
-        cause: Cause that asks for a person.
+        cause: The condition that needs a person.
         raised_at: Wall time at which it was noticed [s since 1970, UTC].
         cleared_at: Wall time at which the cause was gone [s since 1970]; None before.
-        acknowledged_by: Name of who has seen it; empty before.
-        acknowledged_at: When that was, as wall time [s since 1970]; None before.
+        acknowledged_by: Name of the person who has acknowledged it; empty before.
+        acknowledged_at: When it was acknowledged, as wall time [s since 1970]; None
+            before.
     """
 
     id: int
@@ -69,9 +72,9 @@ class Alarms:
     """The alarms of a run of the station. Any thread but the control thread.
 
     Args:
-        station: Station whose state is looked at.
-        log: Takes the acknowledgements, and gives the wall time. The causes have
-            events of their own.
+        station: Station whose state is watched.
+        log: Takes the acknowledgements, and gives the wall time. The begin and end of
+            causes are events that others record.
     """
 
     def __init__(self, station: Station, log: EventLog) -> None:
@@ -94,20 +97,21 @@ class Alarms:
                 cause = causes.get(alarm.cause.subject)
                 if cause == alarm.cause:
                     del causes[cause.subject]
-                # Nobody has seen it yet, so the new text takes its place.
+                # Nobody has acknowledged the old text, so the new text replaces it.
                 elif cause is not None and alarm.acknowledged_at is None:
                     self._keep(replace(alarm, cause=causes.pop(cause.subject)))
                 else:
-                    # What was acknowledged was another cause, so this one is new.
+                    # The person acknowledged another cause, so this one is a new alarm.
                     self._keep(replace(alarm, cleared_at=now))
             for cause in causes.values():
                 self._newest += 1
                 self._alarms[self._newest] = Alarm(self._newest, cause, now)
-            # After the new ones were added: these are never given up for old ones.
+            # Only after new alarms were added, so that old ones are deleted before new
+            # ones.
             self._bound()
 
     def all(self) -> list[Alarm]:
-        """Look, and return the alarms, newest first."""
+        """Compare the station with the list, and return the alarms, newest first."""
         self.look()
         with self._lock:
             return list(self._alarms.values())[::-1]
@@ -115,14 +119,14 @@ class Alarms:
     def acknowledge(self, number: int, origin: Origin = STATION) -> Alarm:
         """Note that a person has seen an alarm; return the alarm.
 
-        Seeing it again changes nothing: the first name and time stay.
+        A second acknowledgement changes nothing: the first name and time stay.
 
         Args:
             number: Number of the alarm.
-            origin: Person that has seen it.
+            origin: Person who has seen it.
 
         Raises:
-            AlarmNotFoundError: There is no such alarm, or no longer.
+            AlarmNotFoundError: There is no such alarm, or it is over.
         """
         with self._lock:
             alarm = self._alarms.get(number)
@@ -153,9 +157,9 @@ class Alarms:
         return alarm
 
     def _keep(self, alarm: Alarm) -> None:
-        """Put a changed alarm into the list, or remove one that is over."""
+        """Put a changed alarm into the list, or remove it if it is over."""
         self._alarms[alarm.id] = alarm
-        # Gone and seen: only the event log keeps it.
+        # The alarm is over and acknowledged: from now on only the event log has it.
         if alarm.cleared_at is not None and alarm.acknowledged_at is not None:
             del self._alarms[alarm.id]
 

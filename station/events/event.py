@@ -8,7 +8,7 @@ from enum import Enum
 MAX_TEXT = 500
 """Longest text that an event keeps [characters]; the rest is cut off."""
 MAX_DETAILS = 4000
-"""Longest details, written as JSON [characters]; longer ones are kept as their text."""
+"""Longest details as JSON [characters]; longer ones become one text that is cut off."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +34,12 @@ def written_details(details: Mapping[str, object]) -> str:
     """Return details as JSON of at most `MAX_DETAILS` characters.
 
     Args:
-        details: Anything; values that JSON does not have are written as their text,
+        details: Anything; values of types that JSON does not have are written as text,
             and numbers that are not finite as null.
     """
     if not details:
         return "{}"
-    # NaN is no JSON; `_plain` has made it null.
+    # JSON has no NaN: `_plain` has replaced it by null.
     text = json.dumps(_plain(details), allow_nan=False)
     if len(text) <= MAX_DETAILS:
         return text
@@ -47,9 +47,9 @@ def written_details(details: Mapping[str, object]) -> str:
 
 
 def _plain(value: object) -> object:
-    """Return a value as JSON has it."""
+    """Return a value with only the types that JSON has."""
     if isinstance(value, float):
-        # Neither NaN nor infinite.
+        # The difference is 0 unless the value is NaN or infinite.
         return value if value - value == 0.0 else None
     if isinstance(value, Mapping):
         return {str(key): _plain(each) for key, each in value.items()}

@@ -1,7 +1,7 @@
 """Events in an SQLite file: appended in batches, bounded in number and age.
 
-The write-ahead log survives the death of the process at any moment: whatever was
-written before a `kill -9` is there afterwards.
+The write-ahead log survives the death of the process at any moment: events that were
+written before a `kill -9` are in the file afterwards.
 """
 
 import json
@@ -48,10 +48,10 @@ class EventFile:
             path, timeout=BUSY_TIMEOUT, check_same_thread=False
         )
         try:
-            # Readers do not wait for the writer, nor the writer for them.
+            # With a write-ahead log, readers and the writer do not wait for each other.
             self._connection.execute("PRAGMA journal_mode = WAL")
-            # The log is synchronised at its checkpoints: a power cut may cost the last
-            # events, the end of the process costs none.
+            # The log is synchronised at its checkpoints only: a power cut may lose the
+            # last events, the end of the process loses none.
             self._connection.execute("PRAGMA synchronous = NORMAL")
             with self._connection:
                 self._connection.execute(_TABLE)
@@ -73,10 +73,10 @@ class EventFile:
         return int(found or 0)
 
     def append(self, events: Sequence[Event]) -> None:
-        """Write events, all of them or none; events with a known number stay.
+        """Write all events or none; an event whose number is known is not replaced.
 
         Raises:
-            sqlite3.Error: They cannot be written.
+            sqlite3.Error: The events cannot be written.
         """
         with self._connection:
             self._connection.executemany(_INSERT, map(_row, events))
@@ -85,7 +85,7 @@ class EventFile:
         """Delete events that are too many or too old.
 
         Args:
-            most: How many of the newest are kept, >= 1.
+            most: Number of the newest events to keep, >= 1.
             oldest: Wall time before which events are deleted [s since 1970].
 
         Raises:
@@ -146,14 +146,16 @@ class EventFile:
         values: tuple[int, Collection[EventKind], Severity, int],
     ) -> list[Event]:
         number, kinds, severity, limit = values
-        # A newer station may have left kinds of events that this one does not know.
+        # A newer station may have written kinds of events that this station does not
+        # know.
         names = [kind.value for kind in kinds or EventKind]
         query = (
             f"SELECT {_COLUMNS} FROM events WHERE {condition} AND severity >= ? AND "
             f"kind IN ({', '.join('?' * len(names))}) ORDER BY id {order} LIMIT ?"
         )
         given = (number, severity.rank, *names, limit)
-        # A connection of its own: the writer's is in the middle of a batch.
+        # Use a new connection, because the writer's one may be in the middle of a
+        # batch.
         with closing(sqlite3.connect(self.path, timeout=BUSY_TIMEOUT)) as connection:
             return [_event(row) for row in connection.execute(query, given)]
 

@@ -20,15 +20,15 @@ MAX_EVENTS = 50_000
 MAX_AGE = 90 * 86400.0
 """Events older than this are deleted [s]."""
 IN_MEMORY = 2048
-"""Newest events that are kept in memory, for readers that must not wait for a disk."""
+"""Newest events that are also in memory, for readers that must not wait for a disk."""
 MAX_PENDING = 8192
-"""Events that wait for the disk; beyond, the oldest are given up and counted."""
+"""Most events that wait for the disk; beyond it, the oldest are dropped and counted."""
 BATCH = 256
 """Most events of one transaction."""
 RETRY_PERIOD = 1.0
-"""How long after a failure the writing is tried again [s]."""
+"""Time from a failure to the next attempt to write [s]."""
 _PRUNE_EVERY = 500
-"""So many events are written between two prunings."""
+"""Number of events that are written between two deletions of old ones."""
 
 _log = logging.getLogger(__name__)
 
@@ -61,7 +61,8 @@ class EventLog:
     Args:
         path: The file; None keeps the newest events in memory only, without a thread.
         boot_id: Random name of this run.
-        station_time: Returns station time [s] and the number of the last cycle.
+        station_time: Function that returns station time [s] and the number of the last
+            cycle.
         now: Wall time [s since 1970].
         max_events: Events kept on disk, >= 1.
         max_age: Events older than this are deleted [s], > 0.
@@ -120,15 +121,15 @@ class EventLog:
         Args:
             kind: Kind of the event.
             text: A sentence for people; cut off after `MAX_TEXT` characters.
-            severity: How much it asks for attention.
+            severity: Severity of the event.
             what: Method and route, or the subject.
             result: How it ended, in one or two words.
             details: More facts; types that JSON does not have are kept as text.
             origin: Person or program that did it, and its address.
         """
         stamp, cycle = self._station_time()
-        # Memory and disk give the same answer, whatever objects the caller has handed
-        # over.
+        # Convert the details now, so that memory and disk give the same values,
+        # whatever objects the caller has passed.
         plain = json.loads(written_details(details or {}))
         with self._lock:
             event = Event(
@@ -152,15 +153,15 @@ class EventLog:
             self._queue(event)
             for key, listener in list(self._listeners.items()):
                 self._tell(key, listener, event)
-        # Outside of the lock, which the writer takes as its first step.
+        # Wake the writer outside of the lock, which it takes as its first step.
         self._wake.set()
         return event
 
     def listen(self, callback: Callable[[Event], None]) -> Callable[[], None]:
         """Call `callback` with every event from now on, in order.
 
-        It is called in the thread that records, so it must return at once and must not
-        record; one that raises is not called again.
+        The recording thread calls it, so it must return at once and must not record
+        events. A callback that raises an error is not called again.
 
         Returns:
             A function that ends the calls.
@@ -176,7 +177,7 @@ class EventLog:
         return end
 
     def wall_time(self) -> float:
-        """Return wall time, as events have it [s since 1970, UTC]."""
+        """Return the wall time by which events are stamped [s since 1970, UTC]."""
         return self._now()
 
     @property
@@ -227,9 +228,10 @@ class EventLog:
                 found = file.read(after, limit, kinds, severity)
             except (sqlite3.Error, ValueError) as error:
                 _log.warning("Events cannot be read from %s: %s", file.path, error)
-        # What is in both counts once.
+        # An event that disk and memory both have is returned once.
         last = found[-1].id if found else after
-        # A full page of the disk comes before all that only memory has.
+        # If the disk fills the page, the events that only memory has come on later
+        # pages.
         newer = [] if len(found) >= limit else [e for e in recent if e.id > last]
         return (found + newer)[:limit]
 
@@ -296,7 +298,8 @@ class EventLog:
     def _queue(self, event: Event) -> None:
         if self._path is None:
             return
-        # The file could not be opened: counted as lost on disk, and still in memory.
+        # The file could not be opened: the event counts as lost on disk, but stays in
+        # memory.
         if self._file is None:
             self._lost += 1
             return
@@ -310,12 +313,12 @@ class EventLog:
     ) -> None:
         try:
             listener(event)
-        except Exception:  # noqa: BLE001 - a request must not fail because of it
+        except Exception:  # noqa: BLE001 - a request must not fail by a listener
             del self._listeners[key]
             _log.exception("A listener to events failed and hears no more of them.")
 
     def _open(self, path: Path) -> EventFile | None:
-        """Return the file; a file of something else is moved aside."""
+        """Return the opened file; a file that is not an event file is moved aside."""
         try:
             make_private_folder(path.parent)
             return _open_or_replace(path)
@@ -337,12 +340,13 @@ class EventLog:
             self._file.close()
 
     def _write_batch(self) -> bool:
-        """Write the oldest pending events; return whether that worked."""
+        """Write the oldest pending events; return whether they are written."""
         file = self._file
         if file is None:
             return False
         with self._lock:
-            # They stay pending until they are written: a failure loses none.
+            # The events stay pending until they are written, so that a failure loses
+            # none.
             batch = [self._pending[i] for i in range(min(BATCH, len(self._pending)))]
         try:
             file.append(batch)
@@ -352,7 +356,8 @@ class EventLog:
             return False
         last = batch[-1].id
         with self._lock:
-            # By number: the oldest may have been given up while the disk was busy.
+            # Remove them by number: the oldest may have been dropped while the disk was
+            # busy.
             while self._pending and self._pending[0].id <= last:
                 self._pending.popleft()
             failure, self._failure = self._failure, None
@@ -383,7 +388,7 @@ class EventLog:
 def _open_or_replace(path: Path) -> EventFile:
     try:
         return EventFile(path)
-    # A file that is locked, or a full disk: nothing is wrong with the events in it.
+    # The file is locked or the disk is full; the events in the file are sound.
     except sqlite3.OperationalError:
         raise
     except sqlite3.DatabaseError as error:

@@ -11,9 +11,9 @@ from station.reports import Event, EventKind, Severity
 WINDOW = 10.0
 """Repeats within this time are counted together [s]."""
 FREE = 10
-"""So many alike events of a window are recorded one by one."""
+"""Number of alike events in a window that are recorded one by one."""
 MOST_KINDS = 512
-"""Different events that are followed; beyond, the oldest window is reported."""
+"""Most windows at a time; beyond it, the oldest window is reported and ends."""
 
 
 @dataclass(slots=True)
@@ -28,8 +28,8 @@ class Repeats:
     """Passes events on to a log, and counts those that repeat. Any thread.
 
     A program that sends set-points a thousand times a second, or a client that tries
-    tokens, would otherwise push everything else out of the log. Nothing is left out:
-    the number of the repeats is recorded when their window ends.
+    tokens, would otherwise push all other events out of the log. No repeat is lost:
+    their number is recorded when their window ends.
 
     Args:
         log: Takes the events.
@@ -59,12 +59,12 @@ class Repeats:
         Args:
             kind: Kind of the event.
             text: A sentence for people.
-            severity: How much it asks for attention.
+            severity: Severity of the event.
             what: Method and route, or the subject.
             result: How it ended.
             details: More facts of the event.
             origin: Person or program that did it, and its address.
-            free: So many alike events of a window are recorded one by one, >= 1.
+            free: Number of alike events in a window that are recorded one by one, >= 1.
         """
         key = (kind.value, origin.who, origin.where, what, result)
         now = self._now()
@@ -102,14 +102,14 @@ class Repeats:
                     self._tell(window)
 
     def finish(self) -> None:
-        """Record the counts of all windows, at the station's end."""
+        """Record the counts of all windows, when the station ends."""
         with self._lock:
             for window in self._windows.values():
                 self._tell(window)
             self._windows.clear()
 
     def _forget(self) -> None:
-        # A stranger who varies his requests must not make the memory grow.
+        # A client that varies its requests must not make the memory grow.
         if len(self._windows) > MOST_KINDS:
             self._tell(self._windows.pop(next(iter(self._windows))))
 

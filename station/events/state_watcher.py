@@ -1,4 +1,4 @@
-"""Notices changes of a station and records them; outside of the control thread."""
+"""Watch a station, and record changes of its state; not in the control thread."""
 
 import logging
 import threading
@@ -16,16 +16,18 @@ from station.reports import EventKind, LoopState, Severity
 _log = logging.getLogger(__name__)
 
 LOOK_PERIOD = 0.05
-"""How often the thread looks [s]."""
+"""Time between two looks of the thread [s]."""
 BURST = 5
-"""So many deadlines missed without a quiet second between are reported as a burst."""
+"""Number of missed deadlines that are reported as a burst, if no quiet second lies
+between them."""
 QUIET = 1.0
-"""A burst is over when no deadline was missed for so long [s]."""
+"""Time without a missed deadline after which a burst is over [s]."""
 FIRST_FOLD, LONGEST_FOLD = 60.0, 3600.0
-"""Bursts after a reported one are counted for so long and reported together [s]; each
-time four times longer, since a machine that is too slow stays so."""
+"""Time for which the bursts after a reported one are counted, to be reported together
+[s]. It begins with the first value and grows by a factor of four up to the second,
+since a machine that is too slow stays too slow."""
 CALM = 600.0
-"""After so long without a burst the next one is reported at once [s]."""
+"""Time without a burst after which the next burst is reported at once [s]."""
 _ADVICE = (
     " Something else takes this computer's processors, often a browser that draws the "
     "3D view without a graphics processor: close it, or open the page on another "
@@ -34,15 +36,16 @@ _ADVICE = (
 
 
 class StateWatcher:
-    """Records changes of a station's state. One thread, or `look` called by hand.
+    """Records changes of a station's state, in a thread or at each call of `look`.
 
-    It reads only what is safe in any thread: the newest snapshot, the stop, the list of
-    controllers. A state that lasts less than `LOOK_PERIOD` is not seen.
+    It reads only data that any thread may read: the newest snapshot, the stop, the list
+    of controllers. It may miss a state that lasts less than `LOOK_PERIOD`.
 
     Args:
         station: The station.
         log: Takes the events.
-        also: Further checks at every look, by the name of their part.
+        also: Further checks to call at every look, by the name of the part that they
+            check.
     """
 
     def __init__(
@@ -74,7 +77,7 @@ class StateWatcher:
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
-        """Begin to look in a thread; the present state is recorded as new."""
+        """Start the thread; its first look records the present state as new."""
         self._thread = threading.Thread(
             target=self._run, name="state-watcher", daemon=True
         )
@@ -94,8 +97,8 @@ class StateWatcher:
     def look(self) -> None:
         """Record the changes since the last look.
 
-        A part of the look that fails is logged and recorded once, until it succeeds
-        again; the other parts are looked at all the same.
+        A check that fails is logged and recorded once, until it succeeds again; the
+        other checks still run.
         """
         for what, look in self._parts.items():
             self._station.loop.right_of_way.give()
@@ -237,9 +240,10 @@ class StateWatcher:
 
 
 class _Bursts:
-    """Tells missed deadlines that come close to each other as one event.
+    """Records missed deadlines that follow each other closely as one event.
 
-    The first burst is reported with a remedy, later ones together by their number.
+    The first burst is reported with a remedy; later bursts are counted and reported
+    together.
     """
 
     def __init__(self, log: EventLog, skipped: int) -> None:
@@ -255,7 +259,7 @@ class _Bursts:
         self._ended_at = float("-inf")
 
     def look(self, skipped: int, cycle: int, now: float) -> None:
-        """Count deadlines missed since the last look; tell a burst that is over."""
+        """Count the deadlines missed since the last look; record an ended burst."""
         new, self._seen = skipped - self._seen, skipped
         if new:
             if not self._count:

@@ -24,47 +24,47 @@ Reward: TypeAlias = Callable[[Observation, Array], float]
 Ended: TypeAlias = Callable[[Observation], bool]
 
 _WIDEST = 1e6
-"""Bound of what has none of its own: of set-points, velocities and efforts."""
+"""Bound of set-points, velocities and efforts that have no limit of their own."""
 _QUATERNION = {"qx", "qy", "qz", "qw"}
 _VECTORS = {"vx", "vy", "vz", "wx", "wy", "wz"}
-"""Elements of velocities whose length is limited, three each."""
+"""Elements of velocity vectors, three each, whose length is limited."""
 
 
 class StationEnv(gymnasium.Env[Observation, Array]):
-    """A simulated robot of a station, stepped as fast as the processor can.
+    """A simulated robot of a station that runs as fast as the processor can.
 
-    An action is a set-point of one controller, in its units and within its range; what
-    is beyond the range is clipped to it, as Gymnasium's own environments do, and what
-    is not finite is refused. It is limited, filtered and checked as every set-point,
-    and the quaternion of a pose is made one of length 1.
+    An action is a set-point of one controller, in its units. A number beyond the range
+    is clipped to the range, as Gymnasium's own environments do; a number that is not
+    finite is refused. The controller limits, filters and checks the action as every
+    set-point. The quaternion of a pose is scaled to length 1.
 
     An observation has `position` [rad or m], `velocity` and `effort` of all joints,
     shape (n,) each. The space has the joints' limits as bounds, and 1e6 where a joint
-    has none. What a fault or a yielding stop moves beyond is clipped to them, so that
-    every observation is within the space; `station` has it as it is. An episode
-    terminates
-    when the robot or the controller gives up (`info["fault"]` says why) or `terminated`
-    says so, and is truncated after `seconds`.
+    has none. Values beyond the bounds, e.g. after a fault, are clipped, so that every
+    observation is within the space; `station` has the values as they are. An episode
+    terminates when the robot or the controller stops with a fault (`info["fault"]` says
+    why) or when `terminated` returns True. It is truncated after `seconds`.
 
-    `reset(options={"joint_positions": {"panda_joint1": 0.3}})` begins elsewhere. The
-    same seed and the same actions give the same trajectory, bit for bit.
+    `reset(options={"joint_positions": {"panda_joint1": 0.3}})` begins at other
+    positions. The same seed and the same actions give the same trajectory, bit for bit.
 
     Args:
         config: As for `station.open`.
-        controller: The controller that takes the actions; any that takes set-points.
-        cycles_per_step: How many control cycles follow an action. A streaming or jog
-            controller brakes when they take longer than its `command_timeout`.
+        controller: The controller that takes the actions; any controller with
+            set-points.
+        cycles_per_step: Number of control cycles per action, >= 1. A streaming or jog
+            controller brakes when these cycles take longer than its `command_timeout`.
         seconds: Longest episode [s station time].
-        reward: Function of two arguments, the observation and the action before it,
-            that returns the reward; 0 when None.
-        terminated: Function of the observation that returns whether the task is over;
-            never when None.
-        noise: Standard deviation of the joints' first positions [rad or m], >= 0.
+        reward: Function that returns the reward for an observation and the action
+            before it; None gives the reward 0.
+        terminated: Function that returns whether the task is over, for an observation;
+            None never ends it.
+        noise: Standard deviation of the initial joint positions [rad or m], >= 0.
         settings: As for `station.open`.
-        dtype: `float64` or `float32`, of actions and observations.
+        dtype: Type of actions and observations, `float64` or `float32`.
 
     Attributes:
-        station: The station, for everything else.
+        station: The station, for operations that the environment does not offer.
 
     Raises:
         ParameterError: `dtype` is neither of the two.
@@ -129,7 +129,7 @@ class StationEnv(gymnasium.Env[Observation, Array]):
             options: `joint_positions`, position by joint [rad or m].
 
         Returns:
-            The first observation, and what else there is to know.
+            The first observation, and `info` with `time` [s] and `fault`.
         """
         super().reset(seed=seed)
         station, facade = self.station, self.station.facade
@@ -161,8 +161,8 @@ class StationEnv(gymnasium.Env[Observation, Array]):
             action: The set-point, shape (k,); clipped to `action_space`.
 
         Returns:
-            Observation, reward, whether the episode is over, whether its time is, and
-            `info` with `time` [s] and `fault`.
+            Observation, reward, whether the episode has terminated, whether it is
+            truncated, and `info` with `time` [s] and `fault`.
 
         Raises:
             InvalidCommandError: The action is not finite, or has another shape.
@@ -203,12 +203,12 @@ class StationEnv(gymnasium.Env[Observation, Array]):
                 f"{len(self._low)} finite numbers, shape {self._low.shape}.",
                 remedy="Take the shape of action_space.",
             )
-        # The bounds as they are, not those of the space, which may be rounded up.
+        # Use the exact bounds: those of the space may be rounded up to `dtype`.
         clipped: Array = np.clip(values, self._low, self._high)
         return clipped
 
     def _set_point(self, action: Array) -> list[float]:
-        """Return the action with a unit quaternion, where it has one."""
+        """Return the action, with its quaternion scaled to length 1 if it has one."""
         values = [float(value) for value in action]
         if len(self._quaternion) == len(_QUATERNION):
             length = math.hypot(*(values[i] for i in self._quaternion))
@@ -240,7 +240,7 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         return info if fault is None else {**info, "fault": fault}
 
     def _time(self) -> float:
-        """Return the length of the episode [s]; counted, hence the same anew."""
+        """Return the time since the episode began [s], counted in cycles."""
         loop = self.station.facade.loop
         return (loop.cycle - self._begin) * loop.period
 
@@ -283,6 +283,7 @@ def _action_bounds(elements: tuple[SetPointElement, ...]) -> tuple[Array, Array]
     """Return the lowest and highest set-point, shape (k,) each."""
     low = np.array([max(e.minimum, -_WIDEST) for e in elements])
     high = np.array([min(e.maximum, _WIDEST) for e in elements])
-    # A box inside of the ball: every action of it is a velocity that is allowed.
+    # The limit is a ball, the space a box: a box inside of the ball has only allowed
+    # velocities.
     inside = np.array([3.0**-0.5 if e.name in _VECTORS else 1.0 for e in elements])
     return low * inside, high * inside

@@ -1,1 +1,1 @@
-"""Gain sets and waypoint paths, which operators keep by name on the disk."""
+"""Gain sets, waypoint paths, plot layouts and scenes that operators keep on disk."""

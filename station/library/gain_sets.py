@@ -1,4 +1,4 @@
-"""Named sets of gains on disk: saved, compared, applied. One YAML file each."""
+"""Named sets of gains on disk, one YAML file each: save, compare and apply them."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from station.reports import GainDifference, GainsChange
 _KIND = FileKind("gain set", "gain-sets", GainSetNotFoundError, GainSetError)
 
 GainsByController = dict[str, dict[str, float]]
-# Strict: true is no number.
+# Strict, because YAML's `true` would otherwise count as the number 1.
 _GAINS: TypeAdapter[GainsByController] = TypeAdapter(
     dict[str, dict[str, Annotated[FiniteFloat, Strict()]]]
 )
@@ -30,12 +30,12 @@ _GAINS: TypeAdapter[GainsByController] = TypeAdapter(
 
 @dataclass(frozen=True, slots=True)
 class GainSet:
-    """A saved set.
+    """A saved set of gains.
 
     Attributes:
         name: Its name.
         saved_at: When it was saved, ISO 8601.
-        gains: Values by controller and name.
+        gains: Values by controller and name of the gain, in the unit of the gain.
     """
 
     name: str

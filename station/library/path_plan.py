@@ -1,4 +1,4 @@
-"""The goal that leads joints along a waypoint path, and its check by limits."""
+"""Plan a trajectory goal along a waypoint path, and check it against joint limits."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from station.core.trajectory import PosVelAccState, peak_speeds, through_waypoin
 from station.reports import Waypoint, WaypointPath
 
 _SHORTEST = 0.1
-"""Shortest way to a waypoint when a path goes on in the middle [s]."""
+"""Shortest time to the next waypoint, e.g. when a path is resumed between two [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class PathPlan:
         joints: The joints, n of them.
         start: Present positions [rad or m], shape (n,).
         waypoints: The waypoints, k of them.
-        states: The states at the waypoints, k of them.
+        states: Positions, velocities and accelerations at the waypoints, k of them.
     """
 
     path: str
@@ -52,7 +52,7 @@ class PathPlan:
         """Refuse a path that the limits of the joints do not allow.
 
         Args:
-            limits: The limits by joint.
+            limits: Limits by the name of the joint.
 
         Raises:
             InvalidTrajectoryError: A waypoint is out of a joint's range, or the way to
@@ -111,8 +111,9 @@ def plan_path(
         joints: The joints, n of them.
         start: Present positions [rad or m], shape (n,).
         speed: Factor of all speeds, > 0.
-        since: Positions in which the motion to the first waypoint began, by joint, if
-            it is under way: the rest takes its share of the time. None before it.
+        since: Positions at which the motion to the first waypoint began [rad or m], by
+            joint, if that motion is under way; the remaining part then takes its share
+            of the waypoint's duration. None if the motion begins now.
     """
     waypoints = path.waypoints[first:]
     places, times = [], []

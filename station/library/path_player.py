@@ -1,4 +1,4 @@
-"""Plays waypoint paths: one goal a round; paused, resumed, faster, in a loop."""
+"""Play waypoint paths, one trajectory goal per round; pause, resume and loop them."""
 
 import threading
 import time
@@ -16,9 +16,9 @@ from station.library.waypoint_paths import WaypointPaths
 from station.reports import Playback, PlaybackState, WaypointPath
 
 SLOWEST, FASTEST = 0.05, 2.0
-"""Bounds of the factor that all speeds of a path are multiplied by."""
+"""Bounds of the factor that multiplies all speeds of a path."""
 LOOK_PERIOD = 0.05
-"""How often the thread of a path that plays looks at its goal [s wall time]."""
+"""Time between two looks at the goal of a path that plays [s wall time]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class PlayOptions:
             joint of the path.
         speed: Factor of all speeds, `SLOWEST` to `FASTEST`.
         loop: Begin again at the end.
-        first: Number of the first waypoint that is gone to, from 0.
+        first: Number of the first waypoint to move to, from 0.
         last: Number of the last one; the path's last one when None.
     """
 
@@ -43,13 +43,14 @@ class PlayOptions:
 
 @dataclass(slots=True)
 class _Round:
-    """One goal of the path: from where the robot is to the last waypoint.
+    """One goal of the path, from the robot's present position to the last waypoint.
 
     Attributes:
         goal: The goal.
         begins: Number of the first waypoint of the goal.
-        times: When the goal is at each of its waypoints [s], from `begins` on.
-        since: First positions of the motion to the goal's first waypoint, by joint.
+        times: Times at which the goal passes its waypoints, from `begins` on [s].
+        since: Positions at which the motion to the goal's first waypoint began [rad or
+            m], by joint.
     """
 
     goal: Goal
@@ -61,16 +62,16 @@ class _Round:
 class PathPlayer:
     """Plays one waypoint path at a time. Any thread.
 
-    The robot follows goals of a trajectory controller, so that everything that ends a
-    goal (a stop, another goal, a switch, a tolerance) ends the path for good.
+    The robot follows goals of a trajectory controller. Whatever ends a goal (a stop,
+    another goal, a switch, a tolerance) therefore ends the path for good.
 
     Args:
-        loop: The loop.
-        manager: Its controller manager.
-        motion: Gives the goals.
-        paths: The paths.
-        watch: Calls a function again and again until it returns False; in a thread of
-            its own unless a test does so itself.
+        loop: The control loop.
+        manager: Controller manager of the loop.
+        motion: Sends goals to controllers.
+        paths: Saved paths.
+        watch: Calls a function repeatedly until the function returns False. None does
+            this in a thread; a test passes a function of its own.
     """
 
     def __init__(
@@ -95,7 +96,7 @@ class PathPlayer:
         self._play = 0
 
     def state(self) -> Playback | None:
-        """Return the path that plays or played last; None before the first."""
+        """Return the path that plays or played last; None if no path has played."""
         with self._lock:
             self._look()
             return self._playback
@@ -113,8 +114,8 @@ class PathPlayer:
         Raises:
             WaypointPathNotFoundError: There is no path of that name.
             WaypointPathError: Its file cannot be read or is malformed.
-            PathRefusedError: No trajectory controller that runs moves its joints, or
-                it has no such waypoint.
+            PathRefusedError: No running trajectory controller moves the joints of the
+                path, or the path has no such waypoint.
             InvalidTrajectoryError: The path is too fast for a joint, or leaves its
                 range.
         """
@@ -129,18 +130,18 @@ class PathPlayer:
         options: PlayOptions | None = None,
         receipt: Receipt | None = None,
     ) -> Playback:
-        """Begin a path at its first waypoint; one that plays is replaced.
+        """Begin a path at its first waypoint; a path that plays now is replaced.
 
         Args:
             name: The path.
             options: How it is played.
-            receipt: Notes the cycle that takes its first goal.
+            receipt: Notes the cycle that takes the first goal of the path.
 
         Raises:
             WaypointPathNotFoundError: There is no path of that name.
             WaypointPathError: Its file cannot be read or is malformed.
-            PathRefusedError: No trajectory controller that runs moves its joints, or
-                it has no such waypoint.
+            PathRefusedError: No running trajectory controller moves the joints of the
+                path, or the path has no such waypoint.
             InvalidTrajectoryError: The path is too fast for a joint, or leaves its
                 range.
             StationError: The controller refuses the goal; nothing moves.
@@ -175,7 +176,7 @@ class PathPlayer:
         """Return a path without the waypoints after the last one that is played.
 
         Raises:
-            PathRefusedError: It has no such waypoint.
+            PathRefusedError: The path has no such waypoint.
         """
         path = self._paths.get(name)
         last = len(path.waypoints) - 1 if options.last is None else options.last
@@ -196,7 +197,8 @@ class PathPlayer:
         with self._lock:
             playback = self._active()
             if playback.state is PlaybackState.PLAYING and self._round is not None:
-                # First, so that nobody takes the end of the goal for one from outside.
+                # Set the state before the goal ends: the watching thread would
+                # otherwise take this end for one that came from outside.
                 self._playback = replace(playback, state=PlaybackState.PAUSED)
                 self._motion.cancel_goal(
                     playback.controller, self._round.goal.identifier
@@ -276,7 +278,7 @@ class PathPlayer:
         return self._playback
 
     def _look(self) -> None:
-        """Note the progress of the goal; begin the next round, or end."""
+        """Note the goal's progress; at its end begin a new round or end the path."""
         playback, now = self._playback, self._round
         if playback is None or now is None or self._path is None:
             return
@@ -319,7 +321,7 @@ class PathPlayer:
                 )
 
     def _since(self) -> Mapping[str, float]:
-        """Return the start of the motion to the present waypoint, by joint."""
+        """Return the start of the motion to this waypoint [rad or m], by joint."""
         if self._playback is None or self._path is None or self._round is None:
             return {}
         number = self._playback.waypoint
@@ -337,7 +339,7 @@ class PathPlayer:
         since: Mapping[str, float] | None = None,
         receipt: Receipt | None = None,
     ) -> None:
-        """Give the goal that leads from here through the waypoints from `first` on."""
+        """Send a goal from the present position through the waypoints from `first`."""
         plan = self._plan(path, playback.controller, first, playback.speed, since)
         goal = self._motion.submit_goal(
             playback.controller,
@@ -394,7 +396,7 @@ def _is_final(playback: Playback) -> bool:
 
 
 def _share(now: _Round, passed: float, waypoints: int) -> float:
-    """Return the part of the waypoints that are behind the robot, 0 to 1."""
+    """Return the share of the waypoints that the robot has passed, 0 to 1."""
     begin, done = 0.0, float(now.begins)
     for time_there in now.times:
         if passed >= time_there:

@@ -1,4 +1,4 @@
-"""Plot layouts on disk: which plots a page shows, under a name."""
+"""Plot layouts on disk: the plots that a page shows, saved under a name."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -35,7 +35,7 @@ class PlotLayouts(Library[PlotLayout]):
         plots: Sequence[PlotSettings],
         docks: DockSettings | None = None,
     ) -> PlotLayout:
-        """Save a layout; one of that name is replaced.
+        """Save a layout; it replaces a layout of the same name.
 
         Args:
             name: Its name.

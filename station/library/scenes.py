@@ -1,4 +1,4 @@
-"""Scenes on disk: the objects with a role, under a name."""
+"""Scenes on disk: the objects with a role, saved under a name."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -24,11 +24,11 @@ class SavedScenes(Library[SavedScene]):
         super().__init__(_KIND, folder)
 
     def save(self, name: str, objects: Sequence[Mapping[str, object]]) -> SavedScene:
-        """Save objects as `scene/objects` has them; a scene of that name is replaced.
+        """Save the objects of a scene; they replace a scene of the same name.
 
         Args:
             name: Its name.
-            objects: The objects.
+            objects: The objects, in the form of `scene/objects` in the configuration.
 
         Raises:
             SavedSceneNotFoundError: The name is not allowed.

@@ -1,4 +1,4 @@
-"""Waypoint paths on disk: captured from where the robot is, edited, kept."""
+"""Waypoint paths on disk: capture positions of the robot, edit and save them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -35,8 +35,8 @@ class WaypointPaths(Library[WaypointPath]):
     """The waypoint paths in a folder. Any thread.
 
     Args:
-        loop: The loop, to know the joints and where they are.
-        manager: Its controller manager.
+        loop: Control loop, which knows the joints and their positions.
+        manager: Controller manager of the loop.
         folder: Folder of the files; the user's own folder when None.
     """
 
@@ -48,7 +48,7 @@ class WaypointPaths(Library[WaypointPath]):
         super().__init__(_KIND, folder)
 
     def save(self, name: str, waypoints: Sequence[Waypoint]) -> WaypointPath:
-        """Save a path; one of that name is replaced.
+        """Save a path; it replaces a path of the same name.
 
         Raises:
             WaypointPathNotFoundError: The name is not allowed.
@@ -63,8 +63,8 @@ class WaypointPaths(Library[WaypointPath]):
     ) -> WaypointPath:
         """Add the present positions to the end of a path, and return the path.
 
-        Captured are the joints that loaded trajectory controllers move; without such a
-        controller all joints.
+        It captures the joints that loaded trajectory controllers move, or all joints
+        without such a controller.
 
         Args:
             name: The path; a new one begins with this waypoint.
@@ -74,11 +74,12 @@ class WaypointPaths(Library[WaypointPath]):
         Raises:
             WaypointPathNotFoundError: The name is not allowed.
             WaypointPathError: The file cannot be read or written.
-            InvalidTrajectoryError: The duration is impossible, or there are too many.
+            InvalidTrajectoryError: The duration is out of range, or the path has too
+                many waypoints.
             LoopError: No cycle has run yet.
         """
         positions = self.present_positions()
-        # Two captures at a time, be it of two stations, must not lose a waypoint.
+        # Two captures at the same time, even by two stations, must not lose a waypoint.
         with self._files.changing(name):
             known = self.get(name).waypoints if name in self.names() else ()
             added = Waypoint(waypoint or _free_name(known), duration, positions)
@@ -133,7 +134,7 @@ def _free_name(known: Sequence[Waypoint]) -> str:
 
 
 def _check(waypoints: Sequence[Waypoint]) -> None:
-    """Refuse waypoints that cannot be a path.
+    """Refuse waypoints that do not form a path.
 
     Raises:
         InvalidTrajectoryError: There are too many waypoints, or one has an impossible

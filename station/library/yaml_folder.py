@@ -1,4 +1,4 @@
-"""YAML files in a folder of the user, one for each thing that has a name."""
+"""YAML files in a folder of the user, one for each named thing."""
 
 import os
 import re
@@ -35,8 +35,8 @@ class FileKind:
 
     Attributes:
         noun: Noun for an entry in messages, e.g. `gain set`.
-        folder: Name of the folder among the data of the control station.
-        not_found: Raised when no file has a name, or a name is not allowed.
+        folder: Name of the folder below the folder of the station's data.
+        not_found: Raised when no file has the name, or the name is not allowed.
         unusable: Raised when a file cannot be read or written, or is malformed.
     """
 
@@ -47,7 +47,7 @@ class FileKind:
 
     @property
     def key(self) -> str:
-        """Key of the name among the details of an error, e.g. `gain_set`."""
+        """Key under which the details of an error have the name, e.g. `gain_set`."""
         return self.noun.replace(" ", "_")
 
 
@@ -55,7 +55,7 @@ class YamlFolder:
     """The files of one kind. Any thread.
 
     Args:
-        kind: Noun for the entries in messages.
+        kind: Kind of the files, with its noun and its errors.
         folder: Folder of the files; the user's own one when None. It is made when the
             first file is written.
     """
@@ -81,8 +81,8 @@ class YamlFolder:
         """Return the content of a file.
 
         Raises:
-            StationError: There is no such file, or it cannot be read or has no mapping;
-                of the kind's own types.
+            StationError: The file does not exist, cannot be read or holds no mapping.
+                The type is one of the two that `kind` names.
         """
         path = self._path(name)
         try:
@@ -101,18 +101,18 @@ class YamlFolder:
             raise self.unusable(name, error.message.rstrip(".")) from error
 
     def write(self, name: str, data: Mapping[str, object]) -> None:
-        """Write a file; one of that name is replaced.
+        """Write a file; it replaces a file of the same name.
 
         Raises:
-            StationError: The name is not allowed, or the file cannot be written; of
-                the kind's own types.
+            StationError: The name is not allowed, or the file cannot be written. The
+                type is one of the two that `kind` names.
         """
         path = self._path(name)
         text = yaml.safe_dump(dict(data), sort_keys=False)
         try:
             make_private_folder(path.parent)
-            # Under another name first: readers meanwhile, and a station that starts
-            # after a crash, find the old file or the new one.
+            # Write under another name first, so that a reader, or a station that starts
+            # after a crash, finds either the old file or the new one.
             with tempfile.NamedTemporaryFile(
                 "w", dir=path.parent, suffix=".part", delete=False, encoding="utf-8"
             ) as file:
@@ -127,8 +127,8 @@ class YamlFolder:
         """Delete a file, if there is one.
 
         Raises:
-            StationError: The name is not allowed, or the file cannot be deleted; of
-                the kind's own types.
+            StationError: The name is not allowed, or the file cannot be deleted. The
+                type is one of the two that `kind` names.
         """
         try:
             self._path(name).unlink(missing_ok=True)
@@ -143,8 +143,8 @@ class YamlFolder:
             name: The file that is to be changed.
 
         Raises:
-            StationError: The folder cannot be used, or another process changes it for
-                too long; of the kind's own type.
+            StationError: The folder cannot be used, or another process keeps its lock
+                for too long. The type is `kind.unusable`.
         """
         with ExitStack() as stack:
             try:
@@ -174,7 +174,7 @@ class Library(Generic[ThingT]):
     """Things of one kind that an operator keeps by name, a YAML file each. Any thread.
 
     Args:
-        kind: Noun for the things in messages.
+        kind: Kind of the things, with its noun and its errors.
         folder: Folder of the files; the user's own folder when None. It is made when
             the first thing is saved.
     """
@@ -195,8 +195,8 @@ class Library(Generic[ThingT]):
         """Return a thing.
 
         Raises:
-            StationError: No item has that name, or its file cannot be read or is
-                malformed; of the kind's own types.
+            StationError: No file has that name, or the file cannot be read or is
+                malformed. The type is one of the two that `kind` names.
         """
         data = self._files.read(name)
         try:
@@ -213,8 +213,8 @@ class Library(Generic[ThingT]):
         """Delete a thing and return it.
 
         Raises:
-            StationError: No item has that name, or its file cannot be read or
-                deleted; of the kind's own types.
+            StationError: No file has that name, or the file cannot be read or deleted.
+                The type is one of the two that `kind` names.
         """
         with self._files.changing(name):
             found = self.get(name)
@@ -223,10 +223,10 @@ class Library(Generic[ThingT]):
 
     @abstractmethod
     def _parse(self, name: str, saved_at: str, data: Mapping[str, object]) -> ThingT:
-        """Return the thing in a file; raises `ValueError` with the reason if not."""
+        """Return the thing in a file; raise `ValueError` if it is malformed."""
 
     def _write(self, name: str, content: Mapping[str, object]) -> str:
-        """Write the content of a thing; return when that was, ISO 8601."""
+        """Write the content of a thing; return the time of the write, ISO 8601."""
         now = datetime.now(UTC).isoformat(timespec="seconds")
         self._files.write(name, {"saved_at": now, **content})
         return now

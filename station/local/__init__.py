@@ -1,1 +1,1 @@
-"""The stations on this machine: how programs of their user find them, with tokens."""
+"""Find the user's stations on this machine, their tokens and certificates."""

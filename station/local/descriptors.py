@@ -1,4 +1,4 @@
-"""Limit of the files, and so of the connections, of this process.
+"""The limit on open files, and so on connections, of this process.
 
 Without a free file descriptor a server accepts no connection, and so no stop.
 """
@@ -6,15 +6,16 @@ Without a free file descriptor a server accepts no connection, and so no stop.
 import resource
 
 ENOUGH = 512
-"""What a station with all its connections and streams needs."""
+"""Number of open files that a station with all its connections and streams needs."""
 LEAST = 128
-"""With less than this a crowd of clients takes every connection that there is."""
+"""With a lower limit than this a crowd of clients can occupy every connection."""
 
 
 def open_more_files() -> None:
-    """Raise the limit of this process to a sufficient one, as far as its user may.
+    """Raise the limit of this process to `ENOUGH`, or as far as the user may raise it.
 
-    A soft limit is for programs that do not look how many files they have open.
+    The soft limit protects programs that do not watch how many files they have open;
+    this one does.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft == resource.RLIM_INFINITY:
@@ -25,7 +26,7 @@ def open_more_files() -> None:
 
 
 def most_files() -> int | None:
-    """Return the most files this process may be allowed; None without a limit."""
+    """Return the hard limit on the open files of this process; None without one."""
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     return None if hard == resource.RLIM_INFINITY else hard
 

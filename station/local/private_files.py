@@ -1,13 +1,13 @@
 """Directories of this user's stations, and private files in them.
 
-Files that end with a station lie in `$XDG_RUNTIME_DIR/station`, or `station-<uid>` in
-the system's temporary directory; only its user can enter it. The files are written
-whole and read with suspicion.
+Files that exist while a station runs lie in `$XDG_RUNTIME_DIR/station`, or
+`station-<uid>` in the system's temporary directory; only its user can enter it. A
+reader of these files trusts neither their owner nor their content.
 
-Files that outlive it lie in `$XDG_STATE_HOME/control-station`, or
+Files that outlive a station lie in `$XDG_STATE_HOME/control-station`, or
 `~/.local/state/control-station`, in a directory for each station that runs at the same
-time: `0`, `1`, … A station that starts takes the first that no running station has, so
-that one station always finds its own again.
+time: `0`, `1`, … A station that starts takes the first directory that no running
+station holds, so that a user with one station always gets the same directory.
 """
 
 import fcntl
@@ -24,7 +24,7 @@ from station.core.user_files import make_private_folder
 
 _MAX_BYTES = 65_536
 _MAX_PID = 2**22
-"""Linux has no larger process numbers."""
+"""Largest process number that Linux gives."""
 
 
 class _Record(Protocol):
@@ -37,7 +37,7 @@ RecordT = TypeVar("RecordT", bound=_Record)
 
 
 class RuntimeDirectoryError(StationError, RuntimeError):
-    """The directory of the runtime files is not the user's own, or cannot be used."""
+    """The directory of the runtime files belongs to another user, or cannot be used."""
 
     code = "runtime_directory"
 
@@ -51,17 +51,18 @@ def runtime_directory() -> Path:
 
 
 def process_start(pid: int) -> str:
-    """Return the start time of a process, in the system's own terms.
+    """Return the start time of a process, as the text of a number of clock ticks.
 
     Returns:
-        Empty for a process that has ended, its parent knowing or not.
+        Empty text for a process that has ended, also if its parent has not yet read its
+        exit status (a zombie).
     """
     try:
         text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
     except OSError:
         return ""
-    # The name in parentheses may hold anything; field 3, the state, is the first after
-    # it, and field 22 the 20th.
+    # The name in parentheses may hold anything, so count from its end: field 3, the
+    # state, is the first one after it, and field 22, the start, is the 20th.
     fields_after_name = text.rpartition(")")[2].split()
     if len(fields_after_name) < 20 or fields_after_name[0] in "ZX":
         return ""
@@ -73,14 +74,15 @@ def is_alive(pid: int, started: str) -> bool:
 
     Args:
         pid: Its number.
-        started: Start of the process, from `process_start`; empty where unknown.
+        started: Start of the process, from `process_start`; empty if unknown, which
+            skips the comparison.
     """
     try:
         os.kill(pid, 0)
     except ProcessLookupError:
         return False
     except PermissionError:
-        return False  # somebody else's process by now
+        return False  # another user's process has this number now
     return not started or process_start(pid) == started
 
 
@@ -113,7 +115,7 @@ def write_private(name: str, record: _Record) -> Path:
 
 
 def read_private(path: Path, kind: type[RecordT]) -> RecordT | None:
-    """Return the record in a file; None when the file holds something else.
+    """Return the record in a file; None if the file holds no such record.
 
     Any program of the user may have left anything there: a pipe without a writer,
     a process number that means "everybody", lists a thousand levels deep.
@@ -137,7 +139,7 @@ def read_private(path: Path, kind: type[RecordT]) -> RecordT | None:
 
 
 def check_private(directory: Path) -> None:
-    """Refuse a directory that others could have put something into.
+    """Refuse a directory into which other users could have put a file.
 
     Raises:
         RuntimeDirectoryError: Other users can write into the directory.
@@ -217,5 +219,5 @@ class StateDirectory:
         self.close()
 
     def close(self) -> None:
-        """Let another station have the directory."""
+        """Release the directory, so that another station may take it."""
         os.close(self._lock)

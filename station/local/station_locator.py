@@ -24,16 +24,16 @@ class RunningStation:
     """Addresses and tokens of a station that runs.
 
     Attributes:
-        url: The API.
+        url: URL of the API.
         token: The operator's token.
         viewer_token: Token for watching only.
-        ui_url: The dashboard; empty when there is none.
+        ui_url: URL of the dashboard; empty without a dashboard.
         boot_id: Changes with every start.
-        pid: Its process.
-        started: When that process started, as the system counts it; tells a process
-            from a later one with the same number. Empty where unknown.
-        watchdog_url: The listener of its watchdog; empty when there is none.
-        certificate: The file of the certificate it serves with; empty without TLS.
+        pid: Number of its process.
+        started: When that process started, from `process_start`. It distinguishes the
+            process from a later one with the same number. Empty if unknown.
+        watchdog_url: URL of its watchdog; empty without a watchdog.
+        certificate: File of the certificate with which it serves; empty without TLS.
     """
 
     url: str
@@ -60,7 +60,7 @@ def write_runtime_file(running: RunningStation) -> Path:
 def find_running() -> list[RunningStation]:
     """Return the stations of this user that run, oldest first.
 
-    Files of processes that are gone are removed; other files are ignored.
+    Files whose process has ended are deleted; files of another kind are ignored.
 
     Raises:
         RuntimeDirectoryError: The directory belongs to another user.
@@ -90,7 +90,7 @@ class NoStationError(StationError, LookupError):
 
 
 class StationAddressError(StationError, ValueError):
-    """The address of a station is not that of a web server."""
+    """The address of a station is not an http or https URL with a host."""
 
     code = "usage"
 
@@ -102,12 +102,12 @@ def locate(url: str | None, token: str | None) -> tuple[str, str | None]:
     of a station on this machine.
 
     Args:
-        url: The station; None finds it.
-        token: Its operator or viewer token; None finds it.
+        url: URL of the station; None looks for it.
+        token: Its operator or viewer token; None looks for it.
 
     Raises:
         NoStationError: No station was found, or more than one.
-        StationAddressError: The URL is not that of a web server.
+        StationAddressError: The URL is not an http or https URL with a host.
     """
     url = url or os.environ.get("STATION_URL")
     token = token or os.environ.get("STATION_TOKEN")
@@ -127,7 +127,7 @@ def locate(url: str | None, token: str | None) -> tuple[str, str | None]:
 
 
 def watchdog_of(url: str) -> str:
-    """Return the URL of the watchdog of a station on this machine, or empty text."""
+    """Return the URL of the watchdog of a station on this machine; empty if unknown."""
     found = {urlsplit(s.url).netloc: s.watchdog_url for s in find_running()}
     return found.get(_netloc(url), "")
 
@@ -149,7 +149,7 @@ def _netloc(url: str) -> str:
 
 
 def _only(stations: list[RunningStation]) -> RunningStation:
-    """Return the one station.
+    """Return the only station.
 
     Raises:
         NoStationError: There is no station, or more than one.

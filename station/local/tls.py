@@ -1,4 +1,4 @@
-"""TLS: the files a station serves with, and the certificates that its clients trust."""
+"""TLS: certificate and key of a station, and the certificates that clients trust."""
 
 import os
 import ssl
@@ -9,7 +9,7 @@ from station.core.errors import StationError
 from station.local.station_locator import certificate_of
 
 CA_VARIABLE = "STATION_CA"
-"""Environment variable with the file of certificates that clients trust."""
+"""Environment variable: path of the PEM file of certificates that clients trust."""
 _END = "-----END CERTIFICATE-----"
 
 
@@ -24,8 +24,8 @@ class TlsFiles:
     """Certificate and key of a station.
 
     Attributes:
-        certificate: PEM file with the certificate, then those between it and an
-            authority, if there are any.
+        certificate: PEM file with the certificate, followed by the intermediate
+            certificates up to an authority, if there are any.
         key: PEM file with the certificate's private key, without a password.
     """
 
@@ -62,14 +62,15 @@ class TlsFiles:
 def trust(url: str, ca: str | os.PathLike[str] | None = None) -> ssl.SSLContext | None:
     """Return a context that checks a station's certificate; None for plain HTTP.
 
-    A station on this machine is known by the very certificate that it serves with,
-    whatever names are in it. Others must prove the name in the URL.
+    For a station on this machine the client compares the certificate itself, and
+    ignores the names in it. Every other station must have a certificate for the name in
+    the URL.
 
     Args:
         url: The station.
-        ca: PEM file with the certificates to trust: an authority's, or the station's
-            own. When None it is `STATION_CA`, or else the certificate of the station
-            on this machine, or else the system's.
+        ca: PEM file with the certificates to trust: those of an authority, or the
+            station's own. None takes the file in `STATION_CA`, or else the certificate
+            of the station on this machine, or else the authorities of the system.
 
     Raises:
         TlsFilesError: A file cannot be read, or holds no certificate.
@@ -83,8 +84,8 @@ def trust(url: str, ca: str | os.PathLike[str] | None = None) -> ssl.SSLContext 
     if not own:
         return ssl.create_default_context()
     text = _read(Path(own), "certificate", "Give --ca, or ca=.")
-    # The first certificate is the station's; whoever else an authority has signed
-    # must not pass for it, since no name is checked.
+    # Only the first certificate is the station's. No name is checked here, so trusting
+    # the authority as well would accept every server it has signed.
     context = _trust_only(text.partition(_END)[0] + _END + "\n", own)
     context.check_hostname = False
     return context
@@ -103,7 +104,7 @@ def _trust_only(text: str, path: str | os.PathLike[str]) -> ssl.SSLContext:
             f"{os.fspath(path)} holds no certificate.",
             remedy="Give a PEM file: -----BEGIN CERTIFICATE----- …",
         ) from error
-    # Else a certificate that somebody else has signed would not be trusted by itself.
+    # Without this flag OpenSSL would trust only self-signed certificates by themselves.
     context.verify_flags |= ssl.VerifyFlags.VERIFY_X509_PARTIAL_CHAIN
     return context
 

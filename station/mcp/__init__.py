@@ -1,1 +1,1 @@
-"""Agents' seat: the station's operations as tools of the Model Context Protocol."""
+"""Offer the station's operations to agents, as tools of the Model Context Protocol."""

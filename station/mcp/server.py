@@ -21,13 +21,13 @@ from station.wire.protocol import PREFIX
 _JSON: type[Any] = object
 _WITHOUT_CONTROL = ("stop", "take_control", "renew_control", "release_control")
 _PAGES = Path(__file__).parents[2] / "docs"
-"""In a clone; an installed package has none."""
+"""Folder of the docs in a clone; an installed package has none."""
 TIMEOUT = 10.0
 """Longest wait for an answer that needs no person [s]."""
 LEASE = 30.0
 """Time after the last call for which the agent keeps control [s]."""
 PATIENCE = 120.0
-"""How much longer than usual an answer may take [s]: a person may think meanwhile."""
+"""Extra time to wait for an answer [s], because a person may have to decide."""
 INSTRUCTIONS = """\
 You act on a robot through a control station. Reading needs nobody's leave. Whatever can
 move the robot waits until a person at the dashboard has allowed it, for a minute at
@@ -139,8 +139,8 @@ class AgentServer:
     async def _control(self, tool: StationTool) -> AsyncIterator[None]:
         """Hold control during a call that asks for a change, and for a while after it.
 
-        A heartbeat keeps it while a person thinks. Between calls there is none, so that
-        an agent that falls silent loses control.
+        Heartbeats keep control while a person decides. Between calls the agent sends
+        none, so that an agent that falls silent loses control.
         """
         if tool.seat == "read" or tool.name in _WITHOUT_CONTROL:
             yield
@@ -154,7 +154,7 @@ class AgentServer:
             await stop_beating()
 
     async def _beat(self) -> bool:
-        # What is lost is told by the answer to the call.
+        # If control was lost, the answer to the call says so.
         with contextlib.suppress(ApiError):
             await self._connection.send("PATCH", "/control", _JSON, {"ttl": LEASE})
         return True
@@ -224,7 +224,7 @@ class AgentServer:
             return json.dumps(await self._connection.get("/hardware", _JSON))
         if uri == _EVENTS:
             return json.dumps(await self._connection.get("/events", _JSON))
-        # The list decides, so that no path leads out of the folder.
+        # Compare with the list of pages, so that no path leads out of the folder.
         for page in self._page_files():
             if uri == f"{_PAGE}{page.name}":
                 return page.read_text(encoding="utf-8")
@@ -259,7 +259,7 @@ class AgentServer:
 async def connect(
     url: str, token: str, ca: str | None = None, journal: Path | None = None
 ) -> AsyncIterator[AgentServer]:
-    """Connect to a station, for the length of a `with` block.
+    """Connect to a station for the duration of a `with` block.
 
     Args:
         url: The station.
@@ -268,7 +268,7 @@ async def connect(
         journal: File that takes every call as a line of JSON; None for none.
 
     Raises:
-        ApiError: The token is not one of this station.
+        ApiError: The station does not know the token.
         StationUnreachableError: The station does not answer.
     """
     tls = trust(url, ca)
@@ -281,7 +281,7 @@ async def connect(
 
 
 async def serve(url: str, token: str, ca: str | None, journal: Path | None) -> None:
-    """Serve the program that has started this one, until it closes the pipe."""
+    """Serve the program that has started this process, until it closes the pipe."""
     async with (
         connect(url, token, ca, journal) as seat,
         stdio_server() as (incoming, outgoing),

@@ -1,7 +1,7 @@
-"""Tools for agents, made from the station's own description of its API.
+"""Make tools for agents from the OpenAPI document of the station.
 
-The description says of each operation whether agents may call it (`x-agent`). A new
-operation is a tool without a word here.
+The document says of each operation whether agents may call it (`x-agent`), so a new
+operation becomes a tool without a change here.
 """
 
 from collections.abc import Mapping
@@ -19,9 +19,10 @@ class StationTool:
     """An operation of the API that an agent may call.
 
     Attributes:
-        name: Its name, that of the operation.
+        name: Name of the operation.
         description: Effect, for the agent.
-        seat: `read`, `free` or `asked`.
+        seat: Agents' right to the operation: `read`; `free`, without asking; or
+            `asked`, when a person has allowed it.
         method: HTTP method.
         path: Path with `{names}` of parameters.
         places: `path` or `query` of each parameter.
@@ -40,11 +41,11 @@ class StationTool:
         """Return path, query and body of a call.
 
         Args:
-            arguments: By name.
+            arguments: Arguments by name.
 
         Raises:
-            ValueError: An argument is unknown, one of the path is missing, or the body
-                is no object.
+            ValueError: An argument is unknown, an argument of the path is missing, or
+                the body is not an object.
         """
         unknown = arguments.keys() - self.places.keys() - {_BODY}
         needed = {name for name, place in self.places.items() if place == "path"}
@@ -118,7 +119,7 @@ def _localised(
     schemas: Mapping[str, Any],
     definitions: dict[str, Any],
 ) -> Any:  # noqa: ANN401 - the same kind of part
-    """Return a schema whose references stay inside of it, for a tool stands alone."""
+    """Return a schema that contains all schemas to which it refers."""
     if isinstance(part, list):
         return [_localised(each, schemas, definitions) for each in part]
     if not isinstance(part, dict):
@@ -133,6 +134,6 @@ def _localised(
     return {
         key: _localised(value, schemas, definitions)
         for key, value in part.items()
-        # The mapping of a union names schemas by their place in the document.
+        # The mapping of a union refers to the document, which the tool does not have.
         if key != "discriminator"
     }

@@ -1,4 +1,4 @@
-"""Wrong tokens are logged, and answered the later the more of them a source has sent.
+"""Log wrong tokens, and delay their answers more with each one from the same source.
 
 A right token is never held back, whatever was sent from the same address before:
 no client can keep an operator from logging in or stopping the robot by sending wrong
@@ -15,17 +15,17 @@ from ipaddress import IPv6Address, ip_address
 from starlette.requests import HTTPConnection
 
 FREE_FAILURES = 3
-"""So many failures of a source are answered at once: people mistype."""
+"""Number of failures of a source that are answered without delay: people mistype."""
 FIRST_DELAY = 0.1
-"""How long the answer to the next one is held back [s]; doubled with every failure."""
+"""Delay of the answer to the next failure [s]; every further failure doubles it."""
 LONGEST_DELAY = 1.0
 """Longest delay of an answer [s]."""
 FORGET_AFTER = 60.0
-"""A source without a failure for so long has a clean record again [s]."""
+"""Time without a failure after which a source has a clean record again [s]."""
 MOST_SOURCES = 1024
-"""Sources that are remembered; the one that was quiet longest is forgotten first."""
+"""Number of sources that are remembered; the longest quiet one is forgotten first."""
 MOST_HELD = 16
-"""Answers that are held back at a time; each keeps a connection."""
+"""Most answers that are delayed at the same time, since each keeps a connection."""
 
 _log = logging.getLogger(__name__)
 
@@ -37,7 +37,7 @@ class _Record:
 
 
 class FailedLogins:
-    """The failed logins of one server. For one event loop.
+    """The failed logins of one server. Use it in one event loop only.
 
     Args:
         now: Monotonic clock [s].
@@ -62,7 +62,7 @@ class FailedLogins:
         """
         client = connection.client
         delay = self.note(_network("" if client is None else client.host))
-        # An attacker must not occupy all connections by being slow.
+        # An attacker must not occupy all connections with delayed answers.
         if not delay or self._held >= MOST_HELD:
             return
         self._held += 1
@@ -72,24 +72,24 @@ class FailedLogins:
             self._held -= 1
 
     def note(self, source: str) -> float:
-        """Count and log a failure; return how long to hold its answer back [s].
+        """Count and log a failure; return the delay of its answer [s].
 
         Args:
-            source: The network that it came from.
+            source: Network from which the failure came.
         """
         now = self._now()
-        # Taken out and put in again: the dictionary's order is that of the last
-        # failures.
+        # Remove the record and insert it again, so that the dictionary has the order of
+        # the last failures.
         record = self._records.pop(source, _Record())
         if now - record.last > FORGET_AFTER:
             record.count = 0
         record.count += 1
         record.last = now
-        # Bounded, because addresses are cheap.
+        # The number is bounded, because an attacker has many addresses.
         while len(self._records) >= MOST_SOURCES:
             del self._records[next(iter(self._records))]
         self._records[source] = record
-        # At 1, 2, 4, 8 …: an attacker must not fill the disk with its log.
+        # Log failure 1, 2, 4, 8, … only, so that an attacker cannot fill the disk.
         if record.count & (record.count - 1) == 0:
             _log.warning(
                 "%s has sent %d wrong token(s) within a minute of each other.",
@@ -104,12 +104,12 @@ class FailedLogins:
 
 
 def _network(host: str) -> str:
-    """Return the network of an address: the owner of an IPv6 address has 2**64."""
+    """Return the network of an address: an IPv6 customer has 2**64 addresses."""
     try:
         address = ip_address(host)
     except ValueError:
         return host
-    # One customer has a whole /64 and could use another address for every try.
+    # A customer has a whole /64, and could use a new address for every attempt.
     if isinstance(address, IPv6Address) and address.ipv4_mapped is None:
         return f"{IPv6Address(int(address) >> 64 << 64)}/64"
     return str(getattr(address, "ipv4_mapped", None) or address)

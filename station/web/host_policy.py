@@ -1,9 +1,9 @@
 """Decide which addresses and web pages may talk to a server of the station.
 
-A foreign web page must not drive a robot on this machine. Its own requests carry its
-Origin. A page can also give its own domain name the address of this machine (DNS
-rebinding); its requests then carry that name as their Host. A numeric Host is safe,
-because it was not looked up by DNS.
+A foreign web page must not drive a robot on this machine. The requests of a page carry
+its Origin. A page can also give its own domain name the address of this machine (DNS
+rebinding); its requests then carry that name in their Host header. A numeric Host is
+safe, because it was not looked up by DNS.
 """
 
 import re
@@ -23,14 +23,14 @@ def _is_numeric(name: str) -> bool:
 
 
 class HostPolicy:
-    """Judges Host and Origin headers.
+    """Decides on the Host and Origin headers of requests.
 
     Args:
-        hosts: Names under which the server is reached, besides localhost and
-            numeric addresses.
-        origins: Origins of web pages that may use it, besides its own.
+        hosts: Names of the server that are allowed besides localhost and numeric
+            addresses.
+        origins: Origins of web pages that may use the server, besides its own.
         any_address: Whether every numeric address is allowed.
-        programs: Whether a request without Origin is allowed: it comes from a program,
+        programs: Whether to allow a request without Origin, which comes from a program,
             or from a page that reads from its own server.
     """
 

@@ -1,11 +1,12 @@
-"""A web server whose clients can neither take its time nor its file descriptors.
+"""A web server whose clients cannot exhaust its connections or file descriptors.
 
-A client that opens connections and says nothing, sends a header or a body drop by drop,
-or does not read its answer, keeps a file descriptor. When a process has no descriptor
-left, it accepts no connection, and no client can stop the robot. So every step of a
-request has a time limit, and the connections stay below the limit of descriptors: one
-that comes when there are too many takes the place of the one that has waited longest
-for its request. A stop sends its request at once and so is never that one.
+A client that opens connections and sends nothing, sends a header or a body byte by
+byte, or does not read its answer, keeps a file descriptor. When a process has no
+descriptor left, it accepts no connection, and no client can stop the robot. So every
+step of a request has a time limit, and the number of connections stays below the limit
+of descriptors. When there are too many, a new connection replaces the one that has kept
+the server waiting longest. A stop sends its request at once, and is therefore never
+replaced.
 """
 
 import asyncio
@@ -30,18 +31,18 @@ MOST_CONNECTIONS = 256
 """Most connections at a time, WebSockets among them."""
 # Log files, recordings, the database of events, pipes to other processes.
 RESERVED_DESCRIPTORS = 40
-"""File descriptors that connections leave to the rest of the process."""
+"""File descriptors that are kept free for the rest of the process."""
 EXTRA_CONNECTIONS = 16
-"""How many more are taken when every connection is at work, so that a stop gets in."""
+"""Connections that are accepted beyond the limit when all are at work, for a stop."""
 ACCEPTED_AT_ONCE = 8
-"""Connections accepted in one turn of the event loop; counted only after the turn."""
+"""Connections that one turn of the event loop accepts, before it counts them."""
 LEAST_CONNECTIONS = 4
-"""Most connections of a process that may hardly open any file; the others of these
-numbers are two then."""
+"""Limit of connections of a process that may open only a few files. `EXTRA_CONNECTIONS`
+and `ACCEPTED_AT_ONCE` are replaced by 2 then."""
 WAITING_CONNECTIONS = 1024
-"""Connections that the system keeps until they are accepted."""
+"""Connections that the operating system queues until they are accepted."""
 LOOK_PERIOD = 0.5
-"""How often a connection is looked at [s]."""
+"""Time between two checks of a connection [s]."""
 
 
 _OUT_OF_FILES = frozenset({errno.EMFILE, errno.ENFILE})
@@ -52,20 +53,20 @@ class Phase(Enum):
     """Phase of a connection."""
 
     REQUEST = "request"
-    """Nothing, or the header of the next request arrives."""
+    """The server waits for the header of the next request."""
     BODY = "body"
-    """The body of a request arrives."""
+    """The server waits for the rest of a body."""
     WORK = "work"
-    """The request is being answered."""
+    """The application computes the answer."""
     ANSWER = "answer"
-    """The client has to read its answer before more can be sent."""
+    """The server waits until the client reads its answer."""
 
 
 TIME_LIMITS = {Phase.REQUEST: 5.0, Phase.BODY: 10.0, Phase.ANSWER: 10.0}
-"""How long a phase may last [s]; work may take any time."""
+"""Longest time of a phase [s]; the application's work has no limit."""
 LEAST_PART = 16 * 1024
-"""Bytes of a body between two looks, with which its time begins anew: a large file may
-take its time, drops may not."""
+"""Bytes of a body that must come between two checks to restart its time limit: a large
+file may take long, a body that trickles may not."""
 
 
 class LimitedProtocol(H11Protocol):
@@ -73,10 +74,10 @@ class LimitedProtocol(H11Protocol):
 
     Attributes:
         most: Most connections of the server at a time.
-        extra: How many more are taken when all of those are at work.
-        phase: State of the connection when it was last looked at.
+        extra: Connections that are accepted beyond `most` when all are at work.
+        phase: Phase of the connection at the last check.
         since: When that phase began [s, clock of the event loop].
-        received: Bytes that have come since the last look.
+        received: Bytes that have come since the last check.
     """
 
     most = MOST_CONNECTIONS
@@ -89,7 +90,7 @@ class LimitedProtocol(H11Protocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn has it
         super().connection_made(transport)
         self.since = self.loop.time()
-        # A new connection is let in first: it may be the one that asks for a stop.
+        # Accept the new connection before another one ends: it may ask for a stop.
         if len(self.connections) > self.most:
             self._make_room()
         self.loop.call_later(LOOK_PERIOD, self._look)
@@ -125,7 +126,8 @@ class LimitedProtocol(H11Protocol):
         if self.transport.is_closing() or self.transport.get_protocol() is not self:
             return  # it has ended, or it is a WebSocket now
         phase, now = self.present_phase(), self.loop.time()
-        # The time of a phase begins when it is first seen, at most `LOOK_PERIOD` late.
+        # The time of a phase begins at the first check that sees it, at most
+        # `LOOK_PERIOD` late.
         is_coming = phase is Phase.BODY and self.received >= LEAST_PART
         self.received = 0
         if phase is not self.phase or is_coming:
@@ -143,9 +145,9 @@ def make_room(connections: Iterable[asyncio.Protocol]) -> bool:
         connections: The connections of the server.
 
     Returns:
-        Whether there was one; those at work are not ended.
+        Whether a connection was ended; connections at work are not.
     """
-    # Where the transport is closing, the place is given away already.
+    # A transport that is closing already makes room.
     waiting: list[LimitedProtocol] = []
     for one in connections:
         if isinstance(one, WebSocketsSansIOProtocol):
@@ -159,7 +161,8 @@ def make_room(connections: Iterable[asyncio.Protocol]) -> bool:
         ):
             waiting.append(one)
     if waiting:
-        # The longest in its phase: a slow client loses before a quick one.
+        # End the connection that is longest in its phase: a slow client before a quick
+        # one.
         min(waiting, key=lambda one: one.since).transport.abort()
     return bool(waiting)
 
@@ -169,8 +172,9 @@ _TWO_LENGTHS = PlainTextResponse(
     400,
     {"connection": "close"},
 )
-"""A proxy before the server may believe the other one, and so take a part of the body
-for the next request of somebody else (RFC 9112, 6.3). So the connection ends, too."""
+"""Answer to a request that announces two lengths. A proxy in front of the server may
+believe the other length, and take part of the body for the next request of another
+client (RFC 9112, 6.3). So the connection ends, too."""
 
 
 def _has_two_lengths(scope: Scope) -> bool:
@@ -185,15 +189,15 @@ class LimitedServer(uvicorn.Server):
     """A server whose connections are limited in number and time.
 
     Args:
-        config: Its configuration; how HTTP is spoken is decided here.
-        most_connections: Most connections at a time; what the descriptors of this
-            process permit when None.
+        config: Its configuration; this class sets the HTTP protocol and the backlog.
+        most_connections: Most connections at a time; None takes as many as the
+            descriptors of this process permit.
     """
 
     def __init__(
         self, config: uvicorn.Config, most_connections: int | None = None
     ) -> None:
-        # Uvicorn takes a class, so the limits of this server are attributes of one.
+        # Uvicorn takes a class, so the limits of this server are attributes of a class.
         class Protocol(LimitedProtocol):
             most = most_connections or connection_share()
             extra = EXTRA_CONNECTIONS if most > LEAST_CONNECTIONS else 2
@@ -207,18 +211,18 @@ class LimitedServer(uvicorn.Server):
         config.app = cast("Any", refusing)
         config.http = Protocol
         is_tight = Protocol.most <= LEAST_CONNECTIONS
-        # asyncio accepts as many connections at once as the backlog has, before any is
-        # counted.
+        # asyncio accepts as many connections in one turn as the backlog allows, before
+        # any of them is counted.
         config.backlog = 2 if is_tight else ACCEPTED_AT_ONCE
         super().__init__(config)
 
     @override
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Listen; the system may keep more connections than are accepted at once."""
+        """Listen, with a longer queue of waiting connections than asyncio sets."""
         asyncio.get_running_loop().set_exception_handler(self._on_trouble)
         await super().startup(sockets)
-        # Set anew after uvicorn: connections wait in the system instead of being
-        # refused.
+        # Set the queue again after uvicorn, so that connections wait in the operating
+        # system instead of being refused.
         for listener in sockets or []:
             listener.listen(WAITING_CONNECTIONS)
 
@@ -227,7 +231,7 @@ class LimitedServer(uvicorn.Server):
     ) -> None:
         """Make room when the process has no descriptor left for a connection.
 
-        The event loop tries again to accept one after a second.
+        The event loop tries again to accept a connection after a second.
         """
         error = context.get("exception")
         # asyncio would try to accept again and again, and fill the log.
@@ -243,16 +247,16 @@ class LimitedServer(uvicorn.Server):
 
 
 def connection_share(descriptors: int = 1) -> int:
-    """Return the number of connections that leaves this process file descriptors.
+    """Return the number of connections for which this process has file descriptors.
 
     Args:
         descriptors: How many descriptors a connection may take, >= 1.
     """
     limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-    # No limit of the system; the station's own one holds.
+    # The system has no limit, so only the station's own limit applies.
     if limit == resource.RLIM_INFINITY:
         return MOST_CONNECTIONS
-    # What is accepted beyond the share, before one is ended for it, counts, too.
+    # Count also the connections that are accepted before others are ended for them.
     beyond = EXTRA_CONNECTIONS + ACCEPTED_AT_ONCE
     free = limit - len(os.listdir("/dev/fd")) - RESERVED_DESCRIPTORS - beyond
     return max(LEAST_CONNECTIONS, min(MOST_CONNECTIONS, free // descriptors))
@@ -261,20 +265,21 @@ def connection_share(descriptors: int = 1) -> int:
 def announces_more_than(scope: Scope, most: int) -> bool:
     """Return whether a request announces a body of more than `most` bytes.
 
-    A length that is not a number counts as one that is too large.
+    A length that is not a number counts as too large.
     """
     lengths = Headers(scope=scope).getlist("content-length")
-    # Of several headers each counts. Longer numbers would take time to convert.
+    # A request may have several of these headers. A number of more than 18 digits is
+    # too large, and need not be converted.
     return any(not n.isdecimal() or len(n) > 18 or int(n) > most for n in lengths)
 
 
 def limited(receive: Receive, most: int, too_large: Exception) -> Receive:
-    """Return a `receive` that raises when a body without a length grows too large.
+    """Return a `receive` that raises an error when a body grows too large.
 
     Args:
-        receive: Channel by which the server hands the body over.
+        receive: The ASGI channel from which the body comes.
         most: Largest body [bytes].
-        too_large: Error of a body that is too large.
+        too_large: The error to raise.
     """
     size = 0
 

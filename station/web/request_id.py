@@ -1,7 +1,7 @@
-"""A name for every request, so that log, audit and client speak of the same one.
+"""Name every request, so that log, audit and client can refer to the same request.
 
-A client may give the name in the header `X-Request-ID`; otherwise one is made. The
-answer carries it in the same header.
+A client may give the name in the header `X-Request-ID`; otherwise the server makes one.
+The answer carries it in the same header.
 """
 
 import logging
@@ -15,7 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from typing_extensions import override
 
 HEADER = "X-Request-ID"
-# It is written to the log and to events, so a client must not put line breaks in.
+# The name goes into the log and into events, so it must not hold line breaks.
 _ACCEPTED = re.compile(r"[A-Za-z0-9._:-]{1,64}")
 _READS = frozenset({"GET", "HEAD", "OPTIONS"})
 _request_id: ContextVar[str | None] = ContextVar("request_id", default=None)
@@ -34,7 +34,7 @@ class RequestId:
     """Names every request and WebSocket, and logs the requests that change something.
 
     A name that a client gives is used when it has 1 to 64 letters, digits or `._:-`;
-    any other is replaced, because it goes into logs.
+    any other name is replaced, because names go into logs.
 
     Args:
         app: The application.
@@ -44,7 +44,7 @@ class RequestId:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a request under its name."""
+        """Answer a request, and give its name to logs and to the answer's header."""
         if scope["type"] not in {"http", "websocket"}:
             await self._app(scope, receive, send)
             return
@@ -66,13 +66,15 @@ class RequestId:
         finally:
             if scope["type"] == "http":
                 _note(scope, status, monotonic() - began)
-            # A connection that is kept alive goes on with the next request.
+            # A connection that is kept alive serves the next request in the same
+            # context.
             _request_id.reset(token)
 
 
 def _note(scope: Scope, status: int, duration: float) -> None:
     """Log a request that changes something or was refused."""
-    # Pages poll several times a second; the log is for what changes something.
+    # Pages poll several times a second; the log holds only requests that change
+    # something.
     if scope["method"] in _READS and status < 400:
         return
     line = "%s %s: %d in %.1f ms"
@@ -84,6 +86,6 @@ class RequestIdFilter(logging.Filter):
 
     @override
     def filter(self, record: logging.LogRecord) -> bool:
-        """Note the name on `record`, and let it pass."""
+        """Write the name into `record`, and accept the record."""
         record.request_id = present_request_id()
         return True
