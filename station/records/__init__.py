@@ -1,1 +1,1 @@
-"""Recordings: every cycle kept in MCAP files, read again, recovered and exported."""
+"""Record every cycle in MCAP files; read, recover and export recordings."""

@@ -1,8 +1,9 @@
-"""CDR, the encoding of ROS 2 messages, for the few types that a recording has.
+"""CDR, the encoding of ROS 2 messages, for the message types of a recording.
 
 A `MessageType` is read from the text of a ROS 2 message definition. It encodes and
-decodes any message, field by field; a `Layout` encodes messages whose text and lengths
-do not change, in one call of `struct`, which is what a cycle needs.
+decodes any message of the type, field by field. A `Layout` encodes messages whose texts
+and lengths do not change in one call of `struct`, which is quick enough for every
+cycle.
 
 Source: OMG CORBA 3.0, chapter 15.3 (CDR), little-endian as in ROS 2's DDS: four bytes
 of encapsulation, then every primitive aligned to its own size.
@@ -15,9 +16,9 @@ from dataclasses import dataclass
 from typing import Any
 
 Values = dict[str, Any]
-"""A message: values by field, with messages in it likewise."""
+"""A message: values by field; a message inside of it has the same form."""
 
-# Version 1 of CDR, little-endian; alignment counts from behind these four bytes.
+# Version 1 of CDR, little-endian; alignment counts from the byte after these four.
 _ENCAPSULATION = b"\x00\x01\x00\x00"
 PRIMITIVES = {
     "bool": "?",
@@ -57,8 +58,9 @@ class MessageType:
 
     Args:
         name: Name with package, e.g. `sensor_msgs/msg/JointState`.
-        text: The definition as MCAP keeps it under `ros2msg`: the fields of the type,
-            then those of the types in it, each after a line of 80 `=` and `MSG: name`.
+        text: The definition in MCAP's encoding `ros2msg`: the fields of the type, then
+            the fields of every type that it contains, each after a line of 80 `=` and a
+            line `MSG: name`.
 
     Attributes:
         name: As given.
@@ -66,7 +68,7 @@ class MessageType:
         fields: The fields in their order.
 
     Raises:
-        ValueError: A line of the definition is no field.
+        ValueError: A line of the definition does not define a field.
     """
 
     def __init__(self, name: str, text: str) -> None:
@@ -102,7 +104,7 @@ class MessageType:
         return self._read(_Reader(data), self.fields)
 
     def of(self, kind: str) -> tuple[Field, ...] | None:
-        """Return the fields of a message type inside of this one; None for others."""
+        """Return the fields of a message type inside of this type; None for others."""
         return self._types.get(kind)
 
     def _write(
@@ -157,15 +159,16 @@ class MessageType:
 
 
 class Layout:
-    """Encodes messages of one type whose texts and lengths are settled.
+    """Encodes messages of one type whose texts and array lengths are constant.
 
-    What is left to give to `pack`, in the order of the fields: a number for every
-    single primitive, and for every array of doubles its memory as bytes, in the
-    machine's order, which is little-endian wherever a station runs.
+    `pack` takes the other values in the order of the fields: a number for every single
+    primitive, and for every array of doubles its memory as bytes. Their byte order is
+    the machine's, which is little-endian wherever a station runs.
 
     Args:
         kind: The message type.
-        constants: Text fields, by name, or lists of texts; `frame_id` of a header, too.
+        constants: Values of fields with a text or a list of texts, by name; `frame_id`
+            of a header is such a field.
         lengths: Number of elements of every array of doubles without a fixed length.
     """
 
@@ -236,7 +239,7 @@ class Layout:
         self._pieces.append(piece)
 
     def _compile(self) -> None:
-        """Join neighbouring constants, so that one call of `struct` does the rest."""
+        """Join neighbouring constants, so that `pack` needs one call of `struct`."""
         codes, constants = "<", {0: _ENCAPSULATION}
         index, was_constant = 1, True
         for piece in self._pieces:
@@ -261,7 +264,7 @@ class Layout:
         """Return a message as CDR.
 
         Args:
-            values: Values that are not settled, in the order of the fields.
+            values: Values that are not constant, in the order of the fields.
 
         Raises:
             struct.error: There are too many or too few values.
@@ -273,18 +276,18 @@ class Layout:
 
 
 class Form:
-    """The numbers in messages that have the texts and lengths of one message.
+    """The places of the numbers in messages with the texts and lengths of one message.
 
     Reading with a form is one call of `struct`, and skips unwanted fields.
 
     Args:
         kind: The message type.
-        data: A message of that form as CDR.
+        data: A message as CDR; it defines the form.
 
     Attributes:
-        names: Field and element of each number, in their order; an element is called as
-            the text of the same place in the field `name`, or by its place. Of messages
-            inside, only `header` is looked at.
+        names: Field and element of each number, in their order. The name of an element
+            is the text with the same index in the field `name`, or else the index. Of
+            the messages inside, only `header` is read.
 
     Raises:
         struct.error: The data end too early.
@@ -302,16 +305,17 @@ class Form:
 
     def fits(self, data: bytes) -> bool:
         """Return whether a message has this form."""
-        # The cheapest test first: messages of another form mostly have another length.
+        # Compare the length first, which is cheap: messages of another form mostly
+        # differ in it.
         if len(data) != self._size:
             return False
         return all(data[begin:end] == text for begin, end, text in self._texts)
 
     def reader(self, wanted: Sequence[int]) -> Callable[[bytes], tuple[float, ...]]:
-        """Return a reader of some of the numbers in messages of this form.
+        """Return a function that reads some of the numbers in messages of this form.
 
         Args:
-            wanted: Places among `names`, growing.
+            wanted: Indices into `names`, increasing.
         """
         format_, at = "<", 0
         for place in wanted:
@@ -364,7 +368,7 @@ class Form:
         end = reader.at
         if begin == end:
             return
-        # Texts side by side are compared as one.
+        # Adjacent texts are compared as one.
         if self._texts and self._texts[-1][1] == begin:
             begin = self._texts.pop()[0]
         self._texts.append((begin, end, bytes(reader.data[begin:end])))
@@ -403,7 +407,7 @@ class _Reader:
 
     def take_text(self) -> str:
         size = self.take("I")
-        # Without the zero at its end, which counts.
+        # The length counts the zero at the end, which is no part of the text.
         text = self.data[self.at : self.at + size - 1]
         self.at += size
         return bytes(text).decode()
@@ -422,7 +426,7 @@ class _Reader:
         return self.at
 
     def skip(self, kind: MessageType, fields: Sequence[Field]) -> None:
-        """Go past a message that lies inside of another one."""
+        """Skip a message that lies inside of another one."""
         for field in fields:
             count = 1 if field.length is None else field.length
             if count < 0:
@@ -440,7 +444,7 @@ def read_fields(text: str) -> tuple[Field, ...]:
     """Return the fields in a definition; constants and comments are left out.
 
     Raises:
-        ValueError: A line is neither.
+        ValueError: A line is not a field, a constant or a comment.
     """
     fields = []
     for line in map(str.strip, text.splitlines()):
@@ -451,7 +455,7 @@ def read_fields(text: str) -> tuple[Field, ...]:
         if found is None:
             raise ValueError(f"{line!r} is no field of a message.")
         kind, array, name = found.groups()
-        # -1: as many elements as the message says.
+        # -1 stands for an array whose length the message tells.
         length = None if array is None else int(array[1:-1] or -1)
         fields.append(Field(name, kind, length))
     return tuple(fields)

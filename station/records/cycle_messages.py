@@ -51,11 +51,12 @@ class CycleMessages:
 
     def stamp(self, time: float) -> int:
         """Return the wall time of a station time [ns since 1970]."""
-        # Station time goes on evenly; the wall clock may be set while the station runs.
+        # Computed from station time, which runs evenly: the wall clock may be set
+        # meanwhile.
         return self.origin + round(time * 1e9)
 
     def of_row(self, row: Row) -> Iterator[Message]:
-        """Yield the messages of a cycle."""
+        """Yield the messages of a cycle's row."""
         seconds, rest = divmod(self.stamp(row.time), 1_000_000_000)
         form = row.form
         yield Message(
@@ -83,13 +84,13 @@ class CycleMessages:
     def of_commands(
         self, quantity: str, time: float, names: tuple[str, ...], commands: bytes
     ) -> Message:
-        """Return the commands that reached the robot in a cycle.
+        """Return the message with the commands that reached the robot in a cycle.
 
         Args:
             quantity: position, velocity or effort.
             time: Station time [s].
             names: The joints.
-            commands: A double for each.
+            commands: One double per joint, in the unit of the quantity.
         """
         layout = self._command_layouts.get(names)
         if layout is None:
@@ -106,7 +107,7 @@ class CycleMessages:
         time: float,
         state: tuple[bytes, tuple[float, ...], tuple[bool, ...]],
     ) -> Message:
-        """Return the whole state of an arm in a cycle.
+        """Return the message with the whole state of an arm in a cycle.
 
         Args:
             arm_id: The arm.
@@ -117,7 +118,7 @@ class CycleMessages:
         return Message(f"{FRANKA_STATES}{arm_id}", messages.FRANKA_STATE, data)
 
     def of_clearance(self, time: float, pair: Clearance) -> Message:
-        """Return the nearest pair of an arm in a cycle.
+        """Return the message with the nearest pair of an arm in a cycle.
 
         Args:
             time: Station time [s].
@@ -159,14 +160,15 @@ class CycleMessages:
 
 
 class FrankaLayout:
-    """Encodes the state of an arm, whose fields are libfranka's, as franka_msgs."""
+    """Encodes the state of an arm as `franka_msgs/FrankaState`."""
 
     def __init__(self) -> None:
         self._layout = Layout(messages.FRANKA_STATE, {"frame_id": ""}, {})
         # The message has the names in lower case, as ROS 2 wants them.
         places = {name.lower(): place for name, place in array_places().items()}
         self._mode = places[MODE]
-        # In the order of the message: where an array lies, or the number of a scalar.
+        # For each field of the message, in order: the slice of an array, or the index
+        # of a scalar.
         self._sources: list[slice | int] = []
         for field in messages.FRANKA_STATE.fields:
             if field.name in SCALARS:

@@ -1,8 +1,8 @@
-"""A cycle as one piece of bytes, which the garbage collector does not look at.
+"""Pack a cycle into one `bytes` object, which the garbage collector does not traverse.
 
 Ten seconds of cycles stay in memory for incidents. As tuples and dictionaries they
-would be ten thousand objects to be traversed at every collection, in whatever thread
-it begins; as bytes they are none.
+would be ten thousand objects for every collection to traverse, in whatever thread the
+collection begins. A `bytes` object is not traversed.
 """
 
 import struct
@@ -31,7 +31,7 @@ class SampleForm(NamedTuple):
 
 
 class RowForm(NamedTuple):
-    """The layout that many cycles share.
+    """The names and sizes that many cycles share.
 
     Attributes:
         mode: The robot's mode.
@@ -54,9 +54,10 @@ class Row(NamedTuple):
         epoch: The station's epoch in that cycle.
         time: Station time [s].
         period: Time since the cycle before [s].
-        form: Names of the numbers.
-        joints: Positions, velocities and efforts as doubles, one after the other.
-        samples: The four lists of each sample as doubles, one after the other.
+        form: Names and sizes of the packed numbers.
+        joints: All positions, then velocities, then efforts, as doubles.
+        samples: The four lists of each controller's sample (desired, measured, error,
+            output) as doubles, one after the other.
     """
 
     cycle: int
@@ -69,12 +70,12 @@ class Row(NamedTuple):
 
 
 class RowPacker:
-    """Packs cycles, and unpacks the rows.
+    """Packs cycles into rows, and unpacks rows.
 
     Args:
         joints: Names of the joints in the snapshots.
-        elements: Returns the names of the elements of a controller's sample; asked
-            whenever the mode or the running controllers change.
+        elements: Function that returns the names of the elements of a controller's
+            sample. It is called whenever the mode or the running controllers change.
     """
 
     def __init__(
@@ -91,13 +92,13 @@ class RowPacker:
         """Return a cycle as bytes.
 
         Args:
-            record: The cycle as the ring of snapshots has it.
+            record: The cycle, as read from the ring of snapshots.
         """
         cycle, epoch, time, period, mode, joints, samples = record
         pieces = [unpack_sample(one).memory() for one in samples.values()]
         key = (mode, tuple(samples), tuple(map(len, pieces)))
-        # A controller that is loaded anew under its name may move other joints, and
-        # between the two there is a cycle without it.
+        # A controller that is loaded again under its name may have other joints. The
+        # key changes even then, because a cycle without the controller lies between.
         if key != self._key:
             self._key, self._index = key, self._find_form(*key)
         head = _HEAD.pack(cycle, epoch, time, period, self._index, len(joints))
@@ -122,7 +123,7 @@ class RowPacker:
         for name, size in zip(names, sizes, strict=True):
             known, count = self._elements(name), size // (_COLUMNS * _DOUBLE)
             numbered = (str(number) for number in range(count))
-            # A controller may sample another number of elements than it has joints.
+            # The number of sampled elements may differ from the number of names.
             elements = tuple(known) if len(known) == count else tuple(numbered)
             samples.append(SampleForm(name, elements))
         form = RowForm(mode, self._joints, tuple(samples), sizes)

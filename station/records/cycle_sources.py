@@ -1,4 +1,4 @@
-"""Sources of a recording besides the snapshots, sampled in the cycles."""
+"""Sources of a recording that are sampled in the cycles, besides the snapshots."""
 
 from abc import ABC, abstractmethod
 from array import array
@@ -45,7 +45,7 @@ class CycleSource(ABC, Generic[SampleT]):
 
     @abstractmethod
     def sample(self) -> SampleT:
-        """Return the sample of a cycle; control thread, must not wait."""
+        """Return the sample of a cycle; called by the control thread, must not wait."""
 
     @abstractmethod
     def message(
@@ -64,7 +64,7 @@ class CycleSource(ABC, Generic[SampleT]):
         self._tap.open()
 
     def begin(self, cycle: int) -> None:
-        """Hand over no cycle before this one.
+        """Drop the samples of cycles before this one.
 
         Args:
             cycle: Number of the first cycle.
@@ -91,22 +91,24 @@ class CycleSource(ABC, Generic[SampleT]):
         log: Callable[[Message, float], None],
         until: int,
     ) -> int:
-        """Hand over the messages of the cycles since the last call.
+        """Pass on the messages of the cycles since the last call.
 
         Args:
             encoder: Makes messages.
             log: Takes each message, and its station time [s].
-            until: Number of the last cycle that is wanted yet.
+            until: Number of the last cycle to pass on; later ones wait for the next
+                call.
 
         Returns:
             How many cycles were lost.
         """
         taken, lost = self._tap.read_since(self._cycle)
         if taken:
-            # What was lost is reported once.
+            # Begin after the lost cycles, so that they are reported only once.
             self._cycle = taken[0].cycle - 1
         for one in taken:
-            # The rest waits for its cycle's row, so that messages are in order.
+            # Later samples wait for the row of their cycle, so that messages stay in
+            # order.
             if one.cycle > until:
                 break
             for message in self.message(encoder, one.stamp, one.sample):
@@ -116,10 +118,10 @@ class CycleSource(ABC, Generic[SampleT]):
 
 
 class CommandSource(CycleSource[list[bytes]]):
-    """The joint commands after `write`: limited, as they went to the robot.
+    """The joint commands after `write`, with limits applied, as they went to the robot.
 
-    Commands of controllers are the `output` of their own channels. What filters and
-    rate limits of an arm made of a command is in the state of the arm.
+    The commands of a controller before the limits are the `output` of its own channel.
+    The command after the filters and rate limits of an arm is in the state of the arm.
     """
 
     def __init__(self, station: Station) -> None:
@@ -168,7 +170,7 @@ class ArmSource(CycleSource[PackedState]):
 
 
 class ClearanceSource(CycleSource[list[Clearance]]):
-    """The nearest pair of each arm that keeps clear of something."""
+    """The nearest pair of each arm that keeps clear of objects."""
 
     def __init__(self, station: Station) -> None:
         self._surroundings = station.surroundings
@@ -202,6 +204,6 @@ def sources_of(station: Station) -> list[Source]:
 
 def _memory(group: JointGroup) -> bytes:
     if group.commands is not None:
-        # Commands side by side are copied in one piece.
+        # Commands that lie side by side are copied at once.
         return group.commands.tobytes()
     return array("d", group.get_commands()).tobytes()

@@ -1,4 +1,4 @@
-"""A recording as a table: CSV, NPZ for NumPy, Parquet."""
+"""Export a recording as a table: CSV, NPZ (NumPy) or Parquet."""
 
 import csv
 import io
@@ -18,13 +18,13 @@ Columns = dict[str, NDArray[np.float64]]
 """Columns of a table by name, shape (m,) each; whole numbers are int64."""
 _WHOLE = frozenset({"cycle", "epoch"})
 _ROWS = 20
-"""Rows of a piece of CSV: a piece takes about a millisecond."""
+"""Rows in a piece of CSV, which then takes about a millisecond to make."""
 
 
 def columns(path: Path, topics: Iterable[str] = ()) -> Columns:
     """Return a recording as columns with one row per cycle.
 
-    A column is called after its channel, its field and the number's joint or axis, e.g.
+    The name of a column has the channel, the field, and the joint or axis, e.g.
     `joint_states/position/panda_joint1`; `cycle`, `time`, `period` and `epoch` come
     first. Where a channel has no message in a cycle, its columns are NaN.
 
@@ -33,7 +33,7 @@ def columns(path: Path, topics: Iterable[str] = ()) -> Columns:
         topics: Channels; all when empty.
 
     Raises:
-        RecordingFileError: The file is no whole recording.
+        RecordingFileError: The file is not a complete recording.
     """
     return _columns(RecordingTable(path, Choice(channels=tuple(topics))))
 
@@ -43,14 +43,14 @@ def export(path: Path, target: Path, form: str, choice: Choice | None = None) ->
 
     Args:
         path: The file of the recording.
-        target: The file to be.
+        target: The file to write, which must not exist.
         form: `csv`, `npz` or `parquet`.
         choice: Wanted part of the recording; all when None.
 
     Raises:
-        RecordingFileError: The file is no whole recording.
-        RecordingRefusedError: There is no such form, or the recording does not have
-            what is wanted.
+        RecordingFileError: The file is not a complete recording.
+        RecordingRefusedError: The form is unknown, or the recording does not have a
+            wanted channel or joint.
         ModuleNotFoundError: Parquet needs the package pyarrow.
     """
     writers = {"csv": _write_csv, "npz": _write_npz, "parquet": _write_parquet}
@@ -75,12 +75,13 @@ def csv_pieces(
         pause: Called between short pieces of work.
 
     Raises:
-        RecordingFileError: The file is no whole recording; before the first piece.
+        RecordingFileError: The file is not a complete recording; raised before the
+            first piece.
         RecordingRefusedError: The recording does not have the wanted channels or
             joints.
     """
     table = RecordingTable(path, choice, pause)
-    # Before the first piece: an error after it would cut an answer off.
+    # Check before the first piece: a later error would truncate an answer.
     table.check()
     return _csv_pieces(table)
 
@@ -93,8 +94,7 @@ def _csv_pieces(table: RecordingTable) -> Iterator[str]:
         writer.writerow(row)
         if number % _ROWS == 0:
             yield buffer.getvalue()
-            # The buffer is used again, so that a large table needs no more memory than
-            # a piece.
+            # Reuse the buffer, so that a large table needs no more memory than a piece.
             buffer.seek(0)
             buffer.truncate()
     yield buffer.getvalue()
@@ -116,7 +116,7 @@ def _columns(table: RecordingTable) -> Columns:
 
 
 def _write_csv(table: RecordingTable, target: Path) -> None:
-    # `x`: an existing file is never overwritten.
+    # Mode `x` never overwrites an existing file.
     with target.open("x", newline="", encoding="utf-8") as file:
         file.writelines(_csv_pieces(table))
 
@@ -128,7 +128,7 @@ def _write_npz(table: RecordingTable, target: Path) -> None:
 
 
 def _write_parquet(table: RecordingTable, target: Path) -> None:
-    # Imported late: pyarrow is large, and comes with an extra of its own.
+    # Imported late: pyarrow is large, and belongs to an extra.
     import pyarrow
     from pyarrow import parquet
 

@@ -1,4 +1,4 @@
-"""Sees in the cycles that something went wrong: a stop, a reflex, a burst, a fault."""
+"""Find incidents in the cycles: stops, reflexes, bursts of overruns, faults."""
 
 from collections import deque
 
@@ -7,12 +7,12 @@ from station.records.cycle_row import Row, RowForm
 
 REFLEX_MODES = frozenset({"reflex", "user_stopped"})
 BURST = 5
-"""So many deadlines skipped within `BURST_WINDOW` are a burst of overruns."""
+"""Number of deadlines skipped within `BURST_WINDOW` that make a burst of overruns."""
 BURST_WINDOW = 0.1
 """[s station time]"""
 BURST_PAUSE = 60.0
-"""After a burst the next one counts only after so long [s station time]; a machine that
-is busy for hours must not drive every other incident out of the folder."""
+"""Time after a burst before another one counts [s station time]: a machine that is busy
+for hours must not push every other incident out of the folder."""
 
 
 class IncidentWatch:
@@ -35,12 +35,13 @@ class IncidentWatch:
     def look(self, row: Row) -> list[str]:
         """Return the incidents of a cycle, one sentence each."""
         causes = []
-        # Mode and controllers are the form, so nothing of them is compared in a usual
-        # cycle.
+        # The form has mode and controllers, so a usual cycle needs no comparison of
+        # them.
         if row.form is not self._form:
             self._form = row.form
             causes += self._look_at_form(row.form)
-        # Between one period and two: rounding must not count as a skipped deadline.
+        # The threshold lies between one period and two, so that rounding does not count
+        # as a skipped deadline.
         if row.period > 1.5 * self._period:
             causes += self._skipped(row)
         return causes
@@ -60,7 +61,7 @@ class IncidentWatch:
     def look_at_stop(self) -> list[str]:
         """Return the reason for a stop since the last call; once per batch."""
         latch = self._station.loop.stop_latch
-        # Stops are told apart by the cycle that carried them out.
+        # The cycle that carried a stop out identifies the stop.
         if latch.cycle == self._stop_cycle:
             return []
         self._stop_cycle = latch.cycle
@@ -77,11 +78,11 @@ class IncidentWatch:
 
     def _skipped(self, row: Row) -> list[str]:
         count = round(row.period / self._period) - 1
-        # No more than the deque holds, however long the gap.
+        # Add no more entries than the deque holds, however long the gap.
         self._skips.extend([row.time] * min(count, BURST))
         if len(self._skips) < BURST or row.time - self._skips[0] > BURST_WINDOW:
             return []
-        # The same deadlines must not make a second burst.
+        # The same deadlines must not count for a second burst.
         self._skips.clear()
         if row.time - self._last_burst < BURST_PAUSE:
             return []

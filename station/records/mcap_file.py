@@ -1,4 +1,4 @@
-"""An MCAP file that is written by foxglove-sdk, lz4 in chunks of up to 512 KiB."""
+"""Write an MCAP file by foxglove-sdk, in lz4 chunks of up to 512 KiB."""
 
 import os
 from pathlib import Path
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 CHUNK = 524_288
-"""Most bytes of a chunk before compression. Ten times a second a chunk is ended in any
-case: a Panda at 1 kHz leaves 470 kB by then."""
+"""Most bytes of a chunk before compression. A chunk is also ended ten times a second; a
+Panda at 1 kHz makes 470 kB in that time."""
 PROFILE = "ros2"
 
 
 class DiskFile:
-    """The bytes of a file on their way to the disk, locked until it is closed.
+    """A file on the disk that is written piece by piece, and locked until it is closed.
 
     Attributes:
         size: Bytes on the disk.
@@ -33,14 +33,15 @@ class DiskFile:
     """
 
     def __init__(self, path: Path) -> None:
-        # Recordings are for their user alone; an existing file is never written over.
+        # Only the user may read recordings; an existing file is never overwritten.
         self._descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600)
-        # Another station of this user must neither recover nor delete it meanwhile.
+        # The lock keeps another station of this user from recovering or deleting the
+        # file.
         try_lock(self._descriptor)
         self.size = 0
 
     def write(self, data: bytes | bytearray | memoryview) -> int:
-        """Write some of the data; return how many bytes.
+        """Write some of the data; return the number of bytes that were written.
 
         Raises:
             OSError: The disk is full, or broken.
@@ -55,10 +56,10 @@ class DiskFile:
 
 
 class _Buffer:
-    """The file that the SDK sees: memory, which cannot fail and does not wait.
+    """The file object for the SDK: memory, which cannot fail and does not wait.
 
-    The SDK writes a line to stderr for every message after an error of its file, and
-    writes while it holds the interpreter lock.
+    With a real file the SDK would write while it holds the interpreter lock, and after
+    an error write a line to stderr for every message.
     """
 
     def __init__(self) -> None:
@@ -71,7 +72,7 @@ class _Buffer:
         return len(data)
 
     def seek(self, _offset: int, _whence: int = 0) -> int:
-        return self._size  # the SDK only asks where it is
+        return self._size  # the SDK only asks for the position
 
     def flush(self) -> None:
         return
@@ -115,7 +116,7 @@ class McapFile:
 
         Args:
             message: The message.
-            stamp: When [ns since 1970].
+            stamp: Time of the message [ns since 1970].
         """
         log = self._loggers.get(message.topic)
         if log is None:
@@ -130,7 +131,7 @@ class McapFile:
                 context=self._context,
             )
             self._channels[message.topic] = channel
-            # Past `Channel.log`, which looks at the type of every message.
+            # Bypass `Channel.log`, which checks the type of every message.
             log = self._loggers[message.topic] = channel.base.log
         log(message.data, stamp)
 
@@ -143,21 +144,21 @@ class McapFile:
         self._writer.flush()
 
     def write_out(self) -> None:
-        """Write complete chunks to the disk; `failure` has the error, if any."""
+        """Write complete chunks to the disk; an error goes into `failure`."""
         data = memoryview(self._buffer.take())
         # After a failed write the file has a gap. More data would only hide it.
         if self.failure is not None:
             return
         try:
-            # A full disk may take a part.
+            # A disk that is nearly full may take only a part.
             while data:
                 data = data[self.disk.write(data) :]
         except OSError as error:
             self.failure = error
 
     def close(self) -> None:
-        """Write the rest, with an index of the whole, and close the file."""
-        # First: it puts the index into the buffer.
+        """Write the rest and the index of the file, and close it."""
+        # Close the writer first: this puts the index into the buffer.
         self._writer.close()
         for channel in self._channels.values():
             channel.close()

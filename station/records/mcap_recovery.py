@@ -1,9 +1,9 @@
-"""Make a whole MCAP file of one whose end is missing, or that has damaged bytes.
+"""Repair an MCAP file whose end is missing, or that has damaged bytes.
 
-A killed recorder leaves a file without its index, and perhaps with half
-a record at its end: that is cut off. Damaged bytes before the end are written over with
-a record that every reader skips, so that what is whole before and after them stays
-where it is. The index is written again from the chunks.
+A killed recorder leaves a file without its index, and perhaps with half a record at its
+end, which is cut off. Damaged bytes before the end are overwritten by a record that
+every reader skips, so that the sound records before and after stay in their places. The
+index is written again from the chunks.
 """
 
 import fcntl
@@ -33,7 +33,7 @@ _SKIPPED = 0x80
 _CYCLES = "/cycles"
 _PROFILE = "ros2"
 _NEAR = 10_000_000_000
-"""Longest time between a chunk and the next one that is believed [ns]."""
+"""Longest plausible time between a chunk and the next one [ns]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +41,9 @@ class Loss:
     """An interval of time whose messages are lost.
 
     Attributes:
-        begin: Wall time of its beginning [ns since 1970]; None when that is the
-            beginning of the recording.
-        end: Wall time of its end; None when that is the end of the recording.
+        begin: Wall time of its beginning [ns since 1970]; None for the beginning of the
+            recording.
+        end: Wall time of its end [ns since 1970]; None for the end of the recording.
     """
 
     begin: int | None
@@ -55,11 +55,12 @@ class Recovered:
     """The findings of a recovery.
 
     Attributes:
-        is_changed: Whether the file was changed; a whole file is left as it is.
+        is_changed: Whether the file was changed; a sound file is not.
         messages: Number of messages in the file.
-        dropped: Bytes that were not whole and are gone.
-        losses: The times of which messages are lost, besides the end of the file.
-        lost_messages: How many messages are lost there; None when nothing says so.
+        dropped: Number of damaged bytes that were removed.
+        losses: Intervals whose messages are lost, besides the end of the file.
+        lost_messages: Number of messages lost in these intervals; None if it is
+            unknown.
         began: Wall time of the first message [ns since 1970]; 0 without one.
         cycles: Number of cycles in the file.
         first_cycle: Its first cycle; 0 without one.
@@ -82,7 +83,7 @@ class Recovered:
     def lost_cycles(self) -> int:
         """Return the number of missing cycles between the first and the last."""
         between = self.last_cycle - self.first_cycle + 1
-        # Cycles have consecutive numbers, so what is missing is known.
+        # Cycles have consecutive numbers, so the number of missing ones is known.
         return max(0, between - self.cycles) if self.cycles else 0
 
     def text(self) -> str:
@@ -117,20 +118,20 @@ class Recovered:
 
 
 def recover_file(path: Path, pause: Callable[[], None] = lambda: None) -> Recovered:
-    """Make a whole file of a truncated or damaged one, in its place.
+    """Repair a truncated or damaged file in place.
 
     Args:
         path: The file.
         pause: Called between short pieces of work.
 
     Raises:
-        RecordingFileError: The file is no MCAP file, or cannot be read or written.
+        RecordingFileError: The file is not an MCAP file, or cannot be read or written.
         RecordingRefusedError: A station is writing it.
     """
     try:
         with os.fdopen(open_regular(path, os.O_RDWR), "r+b") as file:
             lock(path, file)
-            # Before the scan: a file that is no recording must not be changed.
+            # Check before the scan: a file that is not a recording must not be changed.
             has_magic = _check_magic(path, file)
             content = McapScan(file, pause).run()
             if content.is_whole and has_magic:
@@ -152,7 +153,7 @@ def recover_file(path: Path, pause: Callable[[], None] = lambda: None) -> Recove
 
 
 def lock(path: Path, file: BinaryIO) -> None:
-    """Refuse a file that is being written.
+    """Lock a file; refuse one that a station is writing.
 
     Raises:
         RecordingRefusedError: A station writes it.
@@ -167,7 +168,7 @@ def lock(path: Path, file: BinaryIO) -> None:
 
 
 def _check_magic(path: Path, file: BinaryIO) -> bool:
-    """Refuse a file that is no MCAP file; return whether it begins as one does.
+    """Refuse a file that is not MCAP; return whether its first bytes are intact.
 
     Raises:
         RecordingFileError: The file is no MCAP file.
@@ -175,7 +176,7 @@ def _check_magic(path: Path, file: BinaryIO) -> bool:
     begin = file.read(len(MAGIC) + HEAD.size)
     if begin.startswith(MAGIC):
         return True
-    # One damaged byte leaves the rest, and behind it the header.
+    # A damaged byte leaves the other bytes of the magic, and the header after it.
     same = sum(one == other for one, other in zip(begin, MAGIC, strict=False))
     if same >= len(MAGIC) - 1 and begin[len(MAGIC) :][:1] == bytes((Opcode.HEADER,)):
         return False
@@ -186,7 +187,7 @@ def _check_magic(path: Path, file: BinaryIO) -> bool:
 
 
 def _mend(file: BinaryIO, content: Content) -> None:
-    """Write over damaged parts, and write the end of the file anew."""
+    """Overwrite damaged parts, and write the end of the file again."""
     file.seek(0)
     file.write(MAGIC)
     for span in content.spans:
@@ -205,7 +206,7 @@ def _mend(file: BinaryIO, content: Content) -> None:
             if not (len(data) == room or len(data) <= room - HEAD.size):
                 chunk.index.message_index_offsets.clear()
                 chunk.index.message_index_length = 0
-    # What comes after the last whole record is replaced by a new index.
+    # A new index replaces everything after the last sound record.
     file.truncate(content.end)
     file.seek(0, io.SEEK_END)
     file.write(tail)
@@ -213,11 +214,11 @@ def _mend(file: BinaryIO, content: Content) -> None:
 
 
 def _fill(file: BinaryIO, begin: int, end: int, wanted: list[bytes]) -> None:
-    """Write whole records over some bytes: as many of these as fit, and one to skip."""
+    """Overwrite some bytes by as many of these records as fit, and one to skip."""
     data = b""
     for record in wanted:
         left = end - begin - len(data) - len(record)
-        # The rest of the span becomes a record to skip, which needs a head of its own.
+        # The rest of the span becomes a record to skip, which needs room for its head.
         if left == 0 or left >= HEAD.size:
             data += record
     left = end - begin - len(data)
@@ -234,7 +235,10 @@ def _header() -> bytes:
 
 
 def _descriptions(content: Content) -> list[bytes]:
-    """Return schemas and channels: those that a damaged chunk had may be missing."""
+    """Return the records of all schemas and channels.
+
+    A damaged chunk may have held the only copy of some of them.
+    """
     found = []
     for record in (*content.schemas.values(), *content.channels.values()):
         builder = RecordBuilder()
@@ -244,7 +248,7 @@ def _descriptions(content: Content) -> list[bytes]:
 
 
 def _name_channels(content: Content) -> None:
-    """Give a name to channels whose own description, or whose schema, is lost."""
+    """Give a name to each channel whose description or schema is lost."""
     for number in {*content.counts, *content.channels}:
         known = content.channels.get(number)
         if known is None or known.schema_id not in {0, *content.schemas}:
@@ -258,7 +262,7 @@ def _name_channels(content: Content) -> None:
 
 
 def indexes(chunk: Chunk, begin: int) -> bytes:
-    """Return the indexes that follow a chunk, and note where they will be."""
+    """Return the indexes to write after a chunk, and note their offsets in it."""
     data = b""
     for channel, entries in chunk.entries.items():
         builder = RecordBuilder()
@@ -334,7 +338,7 @@ def _loss(content: Content, span: Span) -> Loss:
     near = begin or end
     if span.times is not None and near is not None:
         first, last = span.times
-        # Nothing checks what a damaged chunk says of itself.
+        # The times in the head of a damaged chunk may be damaged, too.
         if first <= last and max(abs(first - near), abs(last - near)) < _NEAR:
             return Loss(first, last)
     if begin is not None and end is not None:
@@ -359,6 +363,6 @@ def _lost_messages(content: Content, spans: list[Span]) -> int | None:
 
 
 def built(builder: RecordBuilder) -> bytes:
-    """Return the records that were written, and begin anew."""
+    """Return the records that the builder holds, and empty it."""
     data: bytes = builder.end()  # type: ignore[no-untyped-call]  # mcap has no type here
     return data

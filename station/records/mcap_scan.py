@@ -1,8 +1,8 @@
-"""Read an MCAP file record by record, and tell whole parts from damaged ones.
+"""Read an MCAP file record by record, and find its damaged parts.
 
-The checksum of each chunk says whether its messages are as they were written. After a
-damaged record the scan goes on at the next one that is whole: where the damaged record
-says that it ends, or else at the next chunk that can be found.
+The checksum of each chunk tells whether its messages are as they were written. After a
+damaged record the scan goes on at the next sound record: at the end that the damaged
+record names, or else at the next chunk that the scan finds.
 
 Source: MCAP format specification 1.0, https://mcap.dev/spec.
 """
@@ -32,36 +32,36 @@ from mcap.records import (
 
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")
-"""What a record begins with: opcode, length."""
+"""Head of a record: opcode, length."""
 _CHUNK = struct.Struct("<QQQI")
-"""What a chunk begins with: first and last time, size, checksum."""
+"""Head of a chunk: first and last time, size, checksum."""
 MESSAGE = struct.Struct("<HIQQ")
-"""What a message begins with: channel, number, time, time of publishing."""
+"""Head of a message: channel, number, time, time of publishing."""
 _CHUNK_HEAD = re.compile(
     rb"\x06.{4}\0{4}.{28}(?:\x03\0\0\0lz4|\x04\0\0\0zstd|\0{4})", re.DOTALL
 )
 _END_OF_DATA = bytes((Opcode.DATA_END, 4, 0, 0, 0, 0, 0, 0, 0))
 _BLOCK = 2**20
 _LARGEST = 2**28
-"""Largest record that is believed [bytes]; those of a station have 0.5 MB."""
+"""Largest plausible record [bytes]; records of a station have 0.5 MB at most."""
 _OWN_OPCODES = 0x80
-"""From here on opcodes are free for anybody."""
+"""First of the opcodes that any program may use for itself."""
 DAMAGE = (
     McapError, RuntimeError, ValueError, LookupError, OverflowError, struct.error,
 )  # fmt: skip
-"""What damaged bytes make the readers of lz4, of MCAP and of CDR raise."""
+"""Errors that the readers of lz4, MCAP and CDR raise for damaged bytes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """A chunk that is whole.
+    """A sound chunk.
 
     Attributes:
-        index: Its line in the index of the file; where its own indexes are is not in
-            it yet.
+        index: Its entry in the index of the file, yet without the offsets of its
+            message indexes.
         entries: Time [ns since 1970] and place of its messages by channel, as
             `MessageIndex` has them.
-        end: Offset behind the chunk.
+        end: Offset of the first byte after the chunk.
     """
 
     index: ChunkIndex
@@ -71,16 +71,17 @@ class Chunk:
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """Bytes of a file, of which some are damaged.
+    """A range of bytes of a file in which some are damaged.
 
     Attributes:
-        begin: Offset of the first.
-        end: Offset behind the last.
-        before: The last chunk before them that is whole; None without one.
-        has_messages: Whether messages may have been in them.
-        count: How many messages were in them, as their own indexes say; 0 if unknown.
-        times: First and last time of a chunk [ns since 1970], as it says itself, which
-            may be damaged; None without one.
+        begin: Offset of the first byte.
+        end: Offset of the first byte after the range.
+        before: The last sound chunk before the range; None without one.
+        has_messages: Whether messages may have been in the range.
+        count: Number of messages in the range by the message indexes in it; 0 if
+            unknown.
+        times: First and last time [ns since 1970] in the head of a damaged chunk, which
+            may be wrong; None without a chunk.
     """
 
     begin: int
@@ -96,17 +97,19 @@ class Content:
     """The content of a file.
 
     Attributes:
-        end: Offset behind the last whole record of the data.
+        end: Offset of the first byte after the last sound record of the data.
         is_whole: Whether data and index are as they were written.
-        has_end: Whether the end of the data is there.
+        has_end: Whether the file has the record that ends the data.
         spans: Damaged parts before `end`.
-        chunks: The whole chunks.
-        missing_indexes: Chunks whose own indexes are not all there, by their place.
+        chunks: The sound chunks.
+        missing_indexes: Byte ranges for the message indexes of chunks that lack some,
+            by index in `chunks`.
         schemas: Schemas by number.
         channels: Channels by number.
         metadata: Facts about the file.
         counts: Number of messages by channel.
-        numbers: Number that the last message has, by channel; the first has 1.
+        numbers: Sequence number of the last message, by channel; the first message has
+            1.
         statistics: Counts in the file's index, if the file has one.
         first_of: The first message of each channel.
         last_of: The last message of each channel.
@@ -132,9 +135,9 @@ class McapScan:
     """Reads one file.
 
     Args:
-        file: The file, opened to be read; it begins with `MAGIC` or should.
-        pause: Called before each record, so that a station that computes beside it
-            keeps its time.
+        file: The file, opened for reading; it should begin with `MAGIC`.
+        pause: Called before each record, so that the control loop of the same process
+            stays on time.
     """
 
     def __init__(self, file: BinaryIO, pause: Callable[[], None]) -> None:
@@ -153,7 +156,7 @@ class McapScan:
             if end is None:
                 end = self._next_whole(at)
                 if end == self._size:
-                    break  # nothing whole comes any more
+                    break  # no sound record follows
                 self._damage(at, end)
             at = content.end = end
             if content.has_end:
@@ -186,7 +189,7 @@ class McapScan:
         elif opcode == Opcode.DATA_END:
             (checksum,) = struct.unpack("<I", data)
             content.has_end = True
-            # Zero means that the writer has computed none.
+            # The checksum 0 means that the writer has not computed it.
             is_as_written = checksum in {0, self._checksum}
             is_damaged = content.spans or content.missing_indexes
             content.is_whole = is_as_written and not is_damaged
@@ -205,11 +208,11 @@ class McapScan:
         held_at = name_at + 4 + length
         (held,) = struct.unpack_from("<Q", data, held_at)
         records = data[held_at + 8 :]
-        # A station writes nothing else.
+        # A station writes these compressions only.
         if held != len(records) or compression not in {"", "lz4"}:
             return None
         if compression:
-            # A damaged chunk may promise, and hold, any number of bytes.
+            # A damaged chunk may announce, or expand to, any number of bytes.
             decompressor = lz4.frame.LZ4FrameDecompressor()
             most = min(size, _LARGEST) + 1
             records = decompressor.decompress(records, max_length=most)
@@ -244,8 +247,8 @@ class McapScan:
                 channel, number, stamp, _ = MESSAGE.unpack_from(records, at)
                 entries.setdefault(channel, []).append((stamp, begin))
                 last[channel] = (number, at, at + length)
-                # First and last message of a channel say how long the recording is,
-                # without reading all again.
+                # The first and the last message of a channel tell the length of the
+                # recording, without another pass.
                 if channel not in content.first_of:
                     content.first_of[channel] = _message(records, at, at + length)
             else:
@@ -270,7 +273,7 @@ class McapScan:
             end += HEAD.size + (0 if body is None else len(body[1]))
         chunk.index.message_index_length = end - chunk.end
         if len(offsets) < len(chunk.entries):
-            # They are written again, as far as there is room.
+            # The recovery writes the indexes again, if there is room.
             offsets.clear()
             end = self._next_whole(chunk.end)
             place = len(self._content.chunks) - 1
@@ -289,7 +292,7 @@ class McapScan:
             self._content.channels.setdefault(channel.id, channel)
 
     def _damage(self, begin: int, end: int) -> None:
-        """Note that the bytes from `begin` to `end` are not whole."""
+        """Note that the bytes from `begin` to `end` are damaged."""
         before = self._content.chunks[-1] if self._content.chunks else None
         opcode = self._read(begin, 1)[0]
         head = self._read(begin + HEAD.size, _CHUNK.size)
@@ -304,7 +307,7 @@ class McapScan:
         self._content.spans.append(Span(begin, end, before, not is_small, count, times))
 
     def _take_ending(self, at: int) -> None:
-        """Look at the end of the data and at the index of the file."""
+        """Read the end of the data and the index of the file."""
         content = self._content
         summary = self._read(at, self._size - at)
         content.is_whole &= _ending_is_whole(at, summary)
@@ -315,7 +318,7 @@ class McapScan:
             data = summary[position : position + length]
             position += length
             try:
-                # The channels of a damaged chunk are known from here.
+                # The index also describes the channels of a damaged chunk.
                 self._describe(opcode, data)
                 if opcode == Opcode.STATISTICS:
                     stream = ReadDataStream(io.BytesIO(data))
@@ -324,12 +327,12 @@ class McapScan:
                 return
 
     def _next_whole(self, at: int) -> int:
-        """Return the start of the next whole record; the file's size without one."""
+        """Return the offset of the next sound record; the file's size without one."""
         body = self._body(at)
         if body is not None:
             end = at + HEAD.size + len(body[1])
             if self._is_plausible(end):
-                # Its indexes follow a chunk that is damaged, and go with it.
+                # The message indexes after a damaged chunk are dropped with the chunk.
                 while (body := self._body(end)) and body[0] == Opcode.MESSAGE_INDEX:
                     end += HEAD.size + len(body[1])
                 if end == self._size or self._is_plausible(end):
@@ -338,8 +341,7 @@ class McapScan:
 
     def _search(self, at: int) -> int:
         """Return the start of the next chunk, or of the end of the data."""
-        # Longer than what the pattern matches, so that a head across two blocks is
-        # found.
+        # The overlap is longer than a match, so that a head across two blocks is found.
         overlap = 64
         while at < self._size:
             self._pause()
@@ -353,7 +355,7 @@ class McapScan:
         return self._size
 
     def _is_plausible(self, at: int) -> bool:
-        """Return whether a record may begin there."""
+        """Return whether a record may begin at an offset."""
         head = self._head(at)
         if head is None:
             return False
@@ -382,7 +384,7 @@ class McapScan:
         if len(head) < HEAD.size:
             return None
         opcode, length = HEAD.unpack(head)
-        # Whatever a damaged length says, no more is read than the file has.
+        # A damaged length must not make the scan read more than the file has.
         if opcode == 0 or length > min(_LARGEST, self._size - at - HEAD.size):
             return None
         if opcode == Opcode.CHUNK and length < _CHUNK.size + 12:
@@ -406,7 +408,7 @@ _KINDS = _ALONE | {
     Opcode.METADATA,
     Opcode.DATA_END,
 }
-"""Records of the data of a file that has chunks."""
+"""Opcodes of the records that the data of a file with chunks has."""
 
 
 def _message(records: bytes, begin: int, end: int) -> bytes:
@@ -414,7 +416,7 @@ def _message(records: bytes, begin: int, end: int) -> bytes:
 
 
 def _index(opcode: int, data: bytes) -> MessageIndex | None:
-    """Return the index of messages in a record; None for anything else."""
+    """Return the message index in a record; None for other records."""
     if opcode != Opcode.MESSAGE_INDEX:
         return None
     try:
@@ -429,7 +431,7 @@ def _ending_is_whole(at: int, ending: bytes) -> bool:
 
     Args:
         at: Offset of the end of the data.
-        ending: All from there on.
+        ending: All bytes from that offset on.
     """
     size = HEAD.size + 20
     if len(ending) < size + len(MAGIC) or not ending.endswith(MAGIC):

@@ -1,4 +1,4 @@
-"""The message types of a recording as `ros2msg` definitions, and transforms of links.
+"""Message types of a recording as `ros2msg` definitions, and transforms of links.
 
 Source: ros2/common_interfaces@humble sensor_msgs, std_msgs, geometry_msgs and tf2_msgs;
 franka_ros@c11f000 franka_msgs/msg/FrankaState.msg and Errors.msg; differs: names of
@@ -17,8 +17,8 @@ _SEPARATOR = "=" * 80
 _TIME = "int32 sec\nuint32 nanosec\n"
 _HEADER = "builtin_interfaces/Time stamp\nstring frame_id\n"
 ERROR_ORDER = (*range(23), *range(27, 32), 23, 32, 24, 25, 26, *range(33, 41))
-"""Places in `ERROR_NAMES`, which has the order of libfranka, of the flags of
-franka_msgs/Errors.msg. A message has no names: readers go by the order."""
+"""Index into `ERROR_NAMES` (libfranka's order) for each flag of franka_msgs/Errors.msg.
+A message has no names of its fields, so the order must be that of the definition."""
 _PARTS = {
     "builtin_interfaces/Time": _TIME,
     "std_msgs/Header": _HEADER,
@@ -36,7 +36,7 @@ _PARTS = {
 
 
 def _message_type(name: str, text: str) -> MessageType:
-    """Return a type with the definitions of all types in it, each once."""
+    """Return a type whose text has the definition of every type in it once."""
     found: list[str] = []
     pending = [text]
     while pending:
@@ -121,15 +121,16 @@ TYPES = {
         FRANKA_STATE,
     )
 }
-"""All of them by name."""
+"""All message types by name."""
 
 
 def header(stamp: int, frame_id: str = "") -> dict[str, object]:
     """Return a `std_msgs/Header`.
 
     Args:
-        stamp: Time [ns]; as seconds of a float it would lose 240 ns since 1970.
-        frame_id: Its frame.
+        stamp: Time [ns since 1970]. A float with seconds since 1970 would round it to
+            240 ns.
+        frame_id: Name of the frame of the message.
     """
     seconds, rest = divmod(stamp, 1_000_000_000)
     return {"stamp": {"sec": seconds, "nanosec": rest}, "frame_id": frame_id}
@@ -175,7 +176,7 @@ def transforms(urdf: Urdf, positions: Mapping[str, float], stamp: int) -> Values
 
 
 def joint_position(joint: Joint, positions: Mapping[str, float]) -> float:
-    """Return a joint's position [rad or m], of those by joint as in `transforms`."""
+    """Return a joint's position [rad or m], from positions as in `transforms`."""
     if joint.name in positions:
         return positions[joint.name]
     mimic = joint.mimic

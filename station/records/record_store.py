@@ -1,9 +1,9 @@
 """The folder of the recordings: files, their descriptions, and a quota.
 
-Beside every `ID.mcap` lies `ID.json` with what a list shows, so that no file needs to
-be opened for it. A file is locked while it is written. A description that says
-`recording`, beside a file without a lock, belongs to a station that was killed;
-the file is recovered when the next station starts.
+Beside every `ID.mcap` lies a description `ID.json`, so that a list of recordings need
+not open the recordings. A file is locked while it is written. A description that says
+`recording`, beside a file without a lock, belongs to a station that was killed; the
+file is recovered when the next station starts.
 """
 
 import json
@@ -38,12 +38,13 @@ if TYPE_CHECKING:
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 """Names of recordings; they become part of the name of a file."""
 _MOST_NAMED = 5
-"""So many candidates are named when several recordings have a name, the newest."""
+"""Number of the newest candidates that an error names when several recordings have the
+same name."""
 _LARGEST = 65_536
 """Largest description that is read [bytes]."""
 _MOST_ATTEMPTS = 1000
 KILLED = "The station that recorded it was killed; a station recovers it at its start."
-"""Why a recording failed that is not recovered yet."""
+"""Reason of the failure of a recording that is not recovered yet."""
 RECORDING, STOPPED, FAILED, RECOVERED = "recording", "stopped", "failed", "recovered"
 
 
@@ -108,8 +109,8 @@ class RecordStore:
     """The recordings in a folder. Any thread.
 
     Args:
-        folder: Folder of the files; made when the first one is begun.
-        quota: How much it may hold.
+        folder: Folder of the files; made with the first recording.
+        quota: Limits of the folder's size; None for the default limits.
         now: Returns the wall time [s since 1970].
     """
 
@@ -133,7 +134,7 @@ class RecordStore:
         """Make the file of a new recording and describe it.
 
         Args:
-            open_file: Makes a file that is not there yet, and locks it.
+            open_file: Function that makes a new file and locks it.
             name: Name that the user gives.
             note: Note of the user.
             causes: Why an incident is kept.
@@ -141,7 +142,7 @@ class RecordStore:
         Raises:
             RecordingRefusedError: The name is not allowed.
             RecordingFileError: The folder cannot be written to.
-            OSError: Never: it becomes a `RecordingFileError`.
+            OSError: Never raised: it becomes a `RecordingFileError`.
         """
         self.check_name(name)
         now = self._now()
@@ -152,8 +153,8 @@ class RecordStore:
         info = RecordingInfo(base, name, note, started_at=started, causes=causes)
         try:
             make_private_folder(self.folder)
-            # First the file, which is locked from the beginning, then what says that it
-            # is being recorded: no other station finds one without the other.
+            # Make the file, which is locked from the beginning, before its description.
+            # Another station that finds the description then also finds the lock.
             identifier, file = self._open_free(base, open_file)
             info = replace(info, identifier=identifier)
             failure = self.keep(info)
@@ -182,7 +183,7 @@ class RecordStore:
             identifier = base if number == 1 else f"{base}-{number}"
             if self._description(identifier).exists():
                 continue
-            # Another station may have taken the name meanwhile.
+            # Another station may take the name at the same moment.
             with suppress(FileExistsError):
                 return identifier, open_file(self.file(identifier))
         raise FileExistsError(f"{base} and {_MOST_ATTEMPTS} other names are taken")
@@ -190,7 +191,8 @@ class RecordStore:
     def keep(self, info: RecordingInfo) -> OSError | None:
         """Write the description of a recording; return why it cannot be written.
 
-        A disk that is full must not keep a recording from ending.
+        It returns the error instead of raising it, because a full disk must not keep a
+        recording from ending.
         """
         try:
             self._write(info)
@@ -199,7 +201,7 @@ class RecordStore:
         return None
 
     def infos(self) -> list[RecordingInfo]:
-        """Return all recordings, the oldest first; bad descriptions are left out."""
+        """Return all recordings with a usable description, the oldest first."""
         found = (self._presented(path) for path in self._descriptions())
         return [info for info in found if info is not None]
 
@@ -210,7 +212,7 @@ class RecordStore:
             try:
                 self._read(path)
             except FileNotFoundError:
-                continue  # deleted since
+                continue  # deleted meanwhile
             except (OSError, ValueError) as error:
                 found.append(f"{path.name}: {error}")
         return found
@@ -223,7 +225,7 @@ class RecordStore:
 
         Raises:
             RecordingNotFoundError: There is no such recording.
-            RecordingRefusedError: Several have that name.
+            RecordingRefusedError: Several recordings have that name.
         """
         path = self._description(identifier)
         is_segment = NAME.fullmatch(identifier[:80]) and "/" not in identifier
@@ -256,13 +258,13 @@ class RecordStore:
 
         Raises:
             RecordingNotFoundError: There is no such recording.
-            RecordingRefusedError: The recording is not finished, or several have that
-                name.
+            RecordingRefusedError: The recording is not finished, or several recordings
+                have that name.
             RecordingFileError: The folder cannot be written to.
         """
         info = self.info(identifier)
         path = self.file(info.identifier)
-        # Locked until it is gone: nobody begins to recover it meanwhile.
+        # Lock the file until it is deleted, so that no station begins to recover it.
         descriptor = _locked(path)
         if descriptor is None or info.state == RECORDING:
             _close(descriptor)
@@ -292,7 +294,7 @@ class RecordStore:
         """Refuse a name that cannot be a part of a file's name.
 
         Raises:
-            RecordingRefusedError: The name is not allowed; an empty name is.
+            RecordingRefusedError: The name is not allowed; an empty name is allowed.
         """
         if name and not NAME.fullmatch(name):
             raise RecordingRefusedError(
@@ -335,7 +337,7 @@ class RecordStore:
 
         Args:
             pause: Called between short pieces of work.
-            tell: Takes each recording when its file is done with.
+            tell: Called with each recording after its recovery.
         """
         found = []
         for identifier in self.interrupted():
@@ -371,11 +373,11 @@ class RecordStore:
     def note_recovery(
         self, identifier: str, recovered: "Recovered"
     ) -> RecordingInfo | None:
-        """Write the result of a recovery down; None when there is no description.
+        """Write the result of a recovery into the description; None if there is none.
 
         Args:
             identifier: The recording.
-            recovered: Content found in its file.
+            recovered: Findings of the recovery.
         """
         try:
             info = self._read(self._description(identifier))
@@ -403,7 +405,7 @@ class RecordStore:
         """Delete the oldest recordings, so that at most `count` are left."""
         infos = self.infos()
         for info in infos[: max(0, len(infos) - count)]:
-            # Another station may write it still, or have deleted it.
+            # Another station may still write the file, or may have deleted it.
             with suppress(RecordingRefusedError, RecordingNotFoundError):
                 self.delete(info.identifier)
 
@@ -434,12 +436,12 @@ class RecordStore:
 
         Raises:
             OSError: The file cannot be read.
-            ValueError: The text is no such record, or belongs to another file.
+            ValueError: The text is not a description, or belongs to another file.
         """
         values = json.loads(read_regular(path, _LARGEST))
         if not isinstance(values, dict):
             raise ValueError("it has no mapping")  # noqa: TRY004 - of a file
-        # Whatever it says becomes part of a path.
+        # Check the identifier, because it becomes part of a path.
         if values.get("identifier") != path.stem or not NAME.match(path.stem):
             raise ValueError("it is the description of another file")
         return _checked(values)
@@ -454,7 +456,7 @@ def _checked(values: Mapping[str, object]) -> RecordingInfo:
     """Return the content of a description.
 
     Raises:
-        ValueError: A value is of another type than it should be.
+        ValueError: A value has a wrong type.
     """
     default = RecordingInfo("")
     known: dict[str, Any] = {}

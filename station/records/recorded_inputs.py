@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Mapping
 from station.core.facade.input_log import Input, InputLog
 
 MOST_INPUTS = 100_000
-"""Inputs of a station's life that a recording can have."""
+"""Most inputs since the station's start that a recording can have."""
 _MOST_PENDING = 100
 
 
 class RecordedInputs:
-    """Keeps the inputs of a station as texts, in the order in which they are known.
+    """Keeps the inputs of a station as texts, each as soon as its cycle is known.
 
     Args:
         inputs: The station's record of its inputs.
@@ -31,10 +31,10 @@ class RecordedInputs:
         self._in_force: dict[str, Input] = {}
 
     def take(self, cycle: int) -> None:
-        """Write the inputs of the station down, once their cycles are known.
+        """Write the inputs of the station whose cycles are known by now.
 
         Args:
-            cycle: The last cycle that was looked at.
+            cycle: The last cycle that the recorder has read.
         """
         self._note_expiries(list(self._in_force))
         self._pending += self._log.take_inputs()
@@ -51,11 +51,12 @@ class RecordedInputs:
                 self._in_force[name] = one
         if not self._log.is_complete:
             self.lose("inputs that came faster than they could be kept", cycle)
-        # Set-points that newer ones have replaced are never picked up.
+        # Set-points that newer ones have replaced never get a cycle, so bound their
+        # number.
         self._pending = left[-_MOST_PENDING:]
 
     def note_periods(self, cycle: int, periods: int) -> None:
-        """Note a cycle that a re-run must begin late, or cannot repeat.
+        """Note a late cycle, which a re-run repeats, or a cycle that it cannot repeat.
 
         Args:
             cycle: Its number.
@@ -70,11 +71,11 @@ class RecordedInputs:
             self._add({"after": cycle - 1, "kind": "operation", "what": what})
 
     def lose(self, what: str, cycle: int) -> None:
-        """Note once that not everything is known that was asked of the station.
+        """Note once that the inputs are incomplete.
 
         Args:
-            what: Unknown item, for the message.
-            cycle: The last cycle that was looked at.
+            what: What is unknown, for the message.
+            cycle: The last cycle that the recorder has read.
         """
         if self.is_whole:
             self.is_whole = False
@@ -90,7 +91,7 @@ class RecordedInputs:
         self._write(text)
 
     def _note_expiries(self, names: Iterable[str]) -> None:
-        """Note which of these controllers' set-points in force have expired."""
+        """Note the controllers in `names` whose set-point has expired."""
         for name in names:
             one = self._in_force.get(name)
             until = None if one is None else one.until()
@@ -100,6 +101,6 @@ class RecordedInputs:
 
 
 def _plain(arguments: Mapping[str, object]) -> dict[str, object]:
-    """Return arguments as JSON has them; other values become text."""
+    """Return arguments with only the types that JSON has; other values become text."""
     plain: dict[str, object] = json.loads(json.dumps(arguments, default=str))
     return plain

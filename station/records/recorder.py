@@ -1,8 +1,8 @@
-"""Takes every cycle out of the ring of snapshots, in a thread of its own.
+"""Record every cycle from the ring of snapshots, in a thread of its own.
 
 The thread wakes a hundred times a second and handles the new cycles, so that it holds
-the interpreter for a millisecond at most. The control thread does nothing for it that
-it does not do anyway; while a recording runs, it samples commands and arms as well.
+the interpreter for a millisecond at most. The snapshots cost the control thread no
+extra work; while a recording runs, it also samples commands and arms.
 """
 
 import json
@@ -37,20 +37,20 @@ WAKE = 0.01
 FLUSH = 0.1
 """How often an unfinished chunk is written to the disk [s]."""
 BEFORE, AFTER = 10.0, 2.0
-"""How much of an incident is kept [s station time]."""
+"""Time before and after an incident whose cycles are kept [s station time]."""
 INCIDENT = "incident"
-"""Kind of the events that say why an incident was kept, and name of its recording."""
+"""Kind of the events that give the cause of an incident, and name of its recording."""
 
 
 class Recorder:
-    """Records, and keeps the cycles before an incident. Any thread but the control one.
+    """Records cycles, and keeps those around an incident. Not for the control thread.
 
     Args:
         station: The station.
         store: Folder of the recordings.
         incidents: Folder of the incidents; None keeps none.
-        texts: Text by topic that every file begins with.
-        open_file: Opens a file for its bytes.
+        texts: Texts with which every file begins, by topic.
+        open_file: Function that opens a new file.
         wall_time: Returns the wall time [ns since 1970].
 
     Attributes:
@@ -84,10 +84,10 @@ class Recorder:
         loop = station.loop
         self._encoder = CycleMessages(wall_time() - round(loop.time * 1e9))
         self._packer = RowPacker(station.joint_names, self._elements)
-        # What the ring still has of the time before belongs to the station's life, too.
+        # Begin with the oldest cycle in the ring: cycles before this object count, too.
         self._cycle = 0
         self._first = 0
-        # A second more, because the thread may come late.
+        # Keep one more second, because the thread may come late.
         rows = round((BEFORE + AFTER + 1.0) / loop.period)
         self._rows: deque[bytes] = deque(maxlen=rows)
         self._watch = IncidentWatch(station)
@@ -103,12 +103,12 @@ class Recorder:
         self._flushed = 0.0
 
     def start_thread(self) -> None:
-        """Drain the ring in a thread until `close`."""
+        """Start the thread that reads the ring until `close`."""
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread, the recording and the incident under way."""
+        """End the thread, the running recording and the incident that is being kept."""
         self._end.set()
         if self._thread is not None:
             self._thread.join(1.0)
@@ -125,7 +125,7 @@ class Recorder:
         Args:
             stamp: Station time [s].
             kind: Kind of the event.
-            severity: How much it asks for attention.
+            severity: Severity of the event.
             text: A sentence for people.
             details: More facts as JSON.
         """
@@ -156,7 +156,7 @@ class Recorder:
             self._drain()
             recording = self._begin(self.store, name, note)
             recording.open_sources()
-            # Cycles that ran meanwhile are not of the recording, but their inputs are.
+            # The cycles until now are not in the recording, but their inputs are.
             self._first = self._station.loop.cycle + 1
             recording.begin(self._first)
             self._gains = ""
@@ -177,7 +177,7 @@ class Recorder:
         """
         with self._lock:
             present = self._recording
-            # Older recordings may have the name of the one that runs.
+            # The running recording wins over older recordings of the same name.
             is_present = present is not None and identifier == present.info.name != ""
             if identifier is not None and not is_present:
                 info = self.store.info(identifier)
@@ -199,7 +199,7 @@ class Recorder:
         """End the recording if it still runs; return the description of the last one.
 
         Raises:
-            RecordingRefusedError: Nothing was recorded yet.
+            RecordingRefusedError: The station has not recorded anything yet.
         """
         if self._recording is not None:
             return self.stop()
@@ -257,7 +257,8 @@ class Recorder:
 
         Raises:
             RecordingNotFoundError: There is no such recording.
-            RecordingRefusedError: The recording still runs, or the note lies outside.
+            RecordingRefusedError: The recording still runs, or the note lies outside of
+                its time.
             RecordingFileError: The file is no whole recording, or cannot be written.
         """
         # Imported late: most runs of a station add no note.
@@ -272,7 +273,7 @@ class Recorder:
         return note
 
     def drain(self) -> None:
-        """Take the cycles since the last call."""
+        """Read the cycles since the last call from the ring, and record them."""
         with self._lock:
             self._drain()
 
@@ -294,8 +295,8 @@ class Recorder:
 
     def _drain(self) -> None:
         recording = self._recording
-        # Looked at before the rows, which a cycle leaves first: each cycle has all of
-        # its messages in the recording, or none.
+        # Ask before reading the rows. A cycle leaves its row before its samples, so
+        # each cycle has all of its messages in the recording, or none.
         until = None if recording is None else recording.newest_sampled()
         rows = self._station.snapshots.rows_since(self._cycle)
         self._inputs.take(self._cycle)
@@ -379,13 +380,13 @@ class Recorder:
         return self._note(recording.finish())
 
     def _note(self, info: RecordingInfo) -> RecordingInfo:
-        """Make this the last recording, and tell it."""
+        """Make this the last recording, and call `tell` with it."""
         self.last = info
         self.tell(info)
         return info
 
     def _keep_incident(self) -> None:
-        """Write the cycles in memory to a file of their own."""
+        """Write the cycles in memory to the file of an incident."""
         causes, self._causes = self._causes, {}
         store = self.incidents
         if not causes or store is None:
@@ -412,4 +413,4 @@ class Recorder:
         try:
             return list(self._station.manager.get_controller(name).joint_names)
         except ControllerNotFoundError:
-            return []  # unloaded since; its elements are numbered
+            return []  # unloaded meanwhile; its elements get numbers

@@ -1,4 +1,4 @@
-"""A recording under way: its file, its channels, and its progress."""
+"""A running recording: its file, its channels, and its progress."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -16,7 +16,7 @@ CONFIGURATION, ROBOT_DESCRIPTION = "/configuration", "/robot_description"
 
 
 class Recording:
-    """Writes one recording. Not for several threads at a time.
+    """Writes one recording. Only one thread at a time may use it.
 
     Args:
         info: Information on the recording so far.
@@ -46,7 +46,7 @@ class Recording:
         self._last: Row | None = None
         self._count = 0
         self._lost = 0
-        # What other recordings occupy; asked once, because files are counted for it.
+        # Size of all other recordings; computed once, because it reads the folder.
         self._others = store.usage()
 
     def open_sources(self) -> None:
@@ -68,7 +68,7 @@ class Recording:
         return min((source.newest for source in self._sources), default=None)
 
     def add_facts(self, station: Station, texts: dict[str, str]) -> None:
-        """Add the facts about the whole that a reader needs.
+        """Add the facts about the whole recording that a reader needs.
 
         Args:
             station: The station.
@@ -121,9 +121,9 @@ class Recording:
 
         Args:
             until: Number of the last cycle that is in the recording.
-            lost: How many cycles were lost otherwise.
+            lost: Number of cycles that were lost from the ring.
         """
-        # A cycle that several channels lack is one cycle that is lost.
+        # A cycle that several channels lack counts as one lost cycle.
         losses = [s.take(self._encoder, self._log, until) for s in self._sources]
         self._lost += max(lost, *losses, 0)
 
@@ -131,7 +131,7 @@ class Recording:
         """Write to the disk; return why the recording cannot go on, None if it can.
 
         Args:
-            end_chunk: Write the present chunk, too.
+            end_chunk: Whether to end and write the present chunk, too.
         """
         if end_chunk:
             self._file.end_chunk()
@@ -153,7 +153,7 @@ class Recording:
         """End the recording and return its description.
 
         Args:
-            error: Why it failed; None when it ends as it should.
+            error: Why it failed; None for a regular end.
         """
         for source in self._sources:
             source.close()
@@ -171,7 +171,7 @@ class Recording:
         return self.info
 
     def give_up(self) -> None:
-        """Let go of the unfinished file: a recovery makes it whole."""
+        """Close the unfinished file, which a recovery can complete."""
         for source in self._sources:
             source.close()
         self._file.give_up()

@@ -1,7 +1,7 @@
 """The events of a finished recording, and the notes of people.
 
 A note is an event like the others, so that every program that opens the file shows it.
-It comes into a chunk of its own behind the others, and the index is written anew.
+It is stored in a new chunk after the others, and the index is written again.
 """
 
 import io
@@ -35,7 +35,8 @@ NOTE = "note"
 _DATA_END_SIZE = 13
 """Size of the record that ends the data [bytes]; the index begins behind the record."""
 _ENDING_SIZE = 20 + len(MAGIC)
-"""Size of what the footer says and the magic [bytes]; first, where the index begins."""
+"""Size of the footer's content and the magic [bytes]; it begins with the offset of the
+index."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +45,11 @@ class RecordedEvent:
 
     Attributes:
         time: Station time [s].
-        kind: Kind of the event, such as `request`; `note` of a note.
+        kind: Kind of the event, such as `request`; `note` for a note.
         severity: `info`, `warning` or `error`.
         text: A sentence for people.
-        until: Station time of the end of a note on a range [s]; None of a moment.
-        details: More facts, by kind; `who` of a note is its author.
+        until: Station time at which the range of a note ends [s]; None for a moment.
+        details: More facts, by kind; for a note, `who` is its author.
     """
 
     time: float
@@ -86,8 +87,8 @@ def add_note(
         who: Author of the note.
 
     Raises:
-        RecordingRefusedError: The range lies outside of the recording, or somebody
-            writes or mends the file.
+        RecordingRefusedError: The range lies outside of the recording, or another
+            process writes or repairs the file.
         RecordingFileError: The file is no whole recording, or cannot be written.
         OSError: Never: it becomes a `RecordingFileError`.
     """
@@ -149,7 +150,7 @@ def _event(message: Values, origin: int) -> RecordedEvent:
         details = json.loads(message["details"])
     except ValueError:
         details = None
-    # Files of other programs may have anything there.
+    # Files of other programs may have other details.
     details = details if isinstance(details, dict) else {"text": message["details"]}
     until = details.get("until")
     return RecordedEvent(
@@ -163,7 +164,7 @@ def _event(message: Values, origin: int) -> RecordedEvent:
 
 
 def _append(path: Path, file: BinaryIO, data: bytes, stamp: int) -> None:
-    """Write an event behind the data of a file, and the index behind the event.
+    """Write an event after the data of a file, and the index after the event.
 
     Raises:
         RecordingDamagedError: The file has no index.
@@ -188,8 +189,8 @@ def _append(path: Path, file: BinaryIO, data: bytes, stamp: int) -> None:
     chunk, written = _chunk(content, data, stamp, at)
     content.chunks.append(chunk)
     written += indexes(chunk, at + len(written))
-    # One write over the old end: a file that is cut off within it can be recovered, and
-    # loses no more than the note.
+    # Overwrite the old end in a single write: a file that is cut off in it can be
+    # recovered, and loses only the note.
     file.seek(at)
     file.write(written + ending(content, at + len(written)))
     file.truncate()
@@ -215,7 +216,7 @@ def _chunk(content: Content, data: bytes, stamp: int, at: int) -> tuple[Chunk, b
         )
     content.counts[number] = content.counts.get(number, 0) + 1
     builder = RecordBuilder()
-    # A reader that reads from the begin, without the index, needs them here.
+    # A reader that does not use the index needs schema and channel before the message.
     content.schemas[content.channels[number].schema_id].write(builder)
     content.channels[number].write(builder)
     place = builder.count

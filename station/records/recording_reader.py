@@ -1,4 +1,4 @@
-"""Read recordings: their messages, their cycles as arrays, their descriptions."""
+"""Read the messages, texts, inputs and joint trajectories of recordings."""
 
 import json
 import os
@@ -22,7 +22,7 @@ from station.records.messages import TYPES
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """The joints of a recording.
+    """The joint states of a recording in every cycle.
 
     Attributes:
         names: Names of the joints.
@@ -46,7 +46,7 @@ class Trajectory:
         """Return some of the cycles, the first among them.
 
         Args:
-            rate: How many per second of station time, > 0.
+            rate: Cycles per second of station time [Hz], > 0.
         """
         if not len(self.time):
             return self
@@ -67,7 +67,7 @@ def _opened(path: Path) -> BinaryIO:
     """Open a recording to be read.
 
     Raises:
-        RecordingFileError: The file is not there, or must not be read.
+        RecordingFileError: The file does not exist, or may not be read.
     """
     try:
         return os.fdopen(open_regular(path), "rb")
@@ -80,10 +80,10 @@ def _opened(path: Path) -> BinaryIO:
 
 @contextmanager
 def reading(path: Path) -> Iterator[BinaryIO]:
-    """Open a recording to be read in the body of a `with`.
+    """Open a recording for reading in the body of a `with`.
 
     Raises:
-        RecordingFileError: The file is not there, or must not be read.
+        RecordingFileError: The file does not exist, or may not be read.
         RecordingDamagedError: The file is no whole recording.
     """
     with _opened(path) as file:
@@ -104,7 +104,7 @@ def read_messages(
     Args:
         path: The file.
         topics: Channels; all when None.
-        is_reverse: Begin with the newest.
+        is_reverse: Whether to begin with the newest message.
 
     Raises:
         RecordingFileError: The file is no whole recording.

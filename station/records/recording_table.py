@@ -1,7 +1,7 @@
-"""A recording as a table, row by row: some of its channels, joints and cycles.
+"""Read a recording as a table, row by row: chosen channels, joints and cycles.
 
-Only what lies between the oldest chunk that may still have a message of a cycle and the
-newest one is in memory, however long the recording is.
+However long the recording is, memory holds only the chunks that may have messages of
+the present cycle.
 """
 
 import math
@@ -27,7 +27,7 @@ CYCLE_COLUMNS = ("cycle", "time", "period", "epoch")
 """The first columns of every table; `cycle` and `epoch` are whole numbers."""
 _WITHOUT_NUMBERS = frozenset({STRING.name, EVENT.name, TF_MESSAGE.name})
 _MOST_FORMS = 1000
-"""Most forms of messages that a recording may have."""
+"""Most forms of messages (texts and array lengths) that a recording may have."""
 Row = tuple[float, ...]
 
 
@@ -38,7 +38,7 @@ class Choice:
     Attributes:
         channels: Channels, or channels with a field, e.g. `joint_states` or
             `joint_states/position`; all when empty.
-        joints: Joints, or other elements with a name; all when empty.
+        joints: Names of joints or other elements; all when empty.
         rate: Rows per second of station time [Hz], > 0; every cycle when None.
     """
 
@@ -79,8 +79,8 @@ class RecordingTable:
         pause: Called between short pieces of work.
 
     Attributes:
-        names: The columns. One is called after its channel, its field and what the
-            number belongs to, e.g. `joint_states/position/panda_joint1`.
+        names: Names of the columns, made of channel, field and joint or element, e.g.
+            `joint_states/position/panda_joint1`.
 
     Raises:
         RecordingFileError: The file cannot be read.
@@ -112,7 +112,8 @@ class RecordingTable:
         """Refuse a choice of parts that the recording does not have.
 
         Raises:
-            RecordingRefusedError: A channel or a joint is not in it.
+            RecordingRefusedError: The recording does not have a chosen channel or
+                joint.
         """
         for one in self._choice.channels:
             wanted = one.strip("/")
@@ -135,7 +136,7 @@ class RecordingTable:
         """Yield a row per cycle, NaN where a channel has no message in a cycle.
 
         Raises:
-            RecordingDamagedError: The file has changed since it was looked at.
+            RecordingDamagedError: The file has changed since it was opened.
         """
         waiting: dict[int, list[tuple[int, bytes]]] = {}
         choose = _every(self._choice.rate)
@@ -152,7 +153,7 @@ class RecordingTable:
                         self._pause()
 
     def _limits(self) -> list[float]:
-        """Return the oldest time that follows each chunk [ns since 1970]."""
+        """Return the oldest time after each chunk [ns since 1970]."""
         limits, oldest = [], math.inf
         for chunk in reversed(self._chunks):
             limits.append(oldest)
@@ -160,7 +161,7 @@ class RecordingTable:
         return limits[::-1]
 
     def _look(self, file: BinaryIO) -> None:
-        """Find out which columns there are.
+        """Find the columns of the recording.
 
         Raises:
             RecordingDamagedError: The file has no index.
@@ -176,8 +177,8 @@ class RecordingTable:
             kind = None if schema is None else TYPES.get(schema.name)
             if kind is not None and kind.name not in _WITHOUT_NUMBERS:
                 self._take_channel(number, channel, kind)
-        # The chunk of a note is the last of the file and may be of any time, so that
-        # all rows since that time would wait for it.
+        # Sort by time: the chunk of a note is the last in the file but may have an
+        # early time, and all rows since that time would wait for it.
         self._chunks = sorted(
             (
                 one
@@ -202,7 +203,7 @@ class RecordingTable:
         self._readings[number] = []
 
     def _add_form(self, channel: int, data: bytes) -> None:
-        """Keep how messages of another form are read.
+        """Keep the reader of a new form of messages.
 
         Raises:
             RecordingDamagedError: There are too many forms.
@@ -254,7 +255,7 @@ class RecordingTable:
 
 
 def _every(rate: float | None) -> Callable[[int], bool]:
-    """Return a filter that says of each cycle, in order, whether its row is kept."""
+    """Return a filter that decides for each cycle in turn whether to keep its row."""
     if rate is None:
         return lambda _: True
     first: int | None = None

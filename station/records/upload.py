@@ -1,4 +1,4 @@
-"""Take a recording in that is uploaded: of this station before, or of another one."""
+"""Store an uploaded recording, from this station or another one."""
 
 import tempfile
 from collections.abc import Callable
@@ -16,11 +16,11 @@ from station.records.recording_table import RecordingTable
 
 
 class Upload:
-    """A file that is being stored; the store lists it when it is found to be whole.
+    """An upload in progress; the store lists it after the file is found complete.
 
     Args:
         store: Folder of the recordings.
-        name: Its name there; may be empty.
+        name: Name of the recording; may be empty.
 
     Raises:
         RecordingRefusedError: The name is not allowed, or the store is full.
@@ -34,8 +34,8 @@ class Upload:
         self._name = name
         try:
             make_private_folder(store.folder)
-            # Beside the recordings, so that it becomes one without being copied; of
-            # another suffix, so that no list has it before it was looked at.
+            # In the folder of the recordings, so that it need not be copied; with
+            # another suffix, so that no list shows it before it is checked.
             self._file = tempfile.NamedTemporaryFile(dir=store.folder, suffix=".part")  # noqa: SIM115 - closed by `close`
         except OSError as error:
             refused = _unwritten(store, error)
@@ -54,13 +54,13 @@ class Upload:
             raise refused from error
 
     def finish(self, pause: Callable[[], None] = lambda: None) -> RecordingInfo:
-        """List the recording; return its description.
+        """Check the file, list it as a recording, and return its description.
 
         Args:
             pause: Called between short pieces of work.
 
         Raises:
-            RecordingRefusedError: The file is no whole recording of a station.
+            RecordingRefusedError: The file is not a complete recording of a station.
             RecordingFileError: The file cannot be written.
         """
         path = Path(self._file.name)
@@ -100,18 +100,18 @@ class Upload:
         return info
 
     def close(self) -> None:
-        """Delete the written part, unless it has become a recording."""
+        """Delete the file, unless it has become a recording."""
         self._file.close()
 
 
 class _Linked:
-    """A file under a second name, which stays when the first one is deleted."""
+    """A second name (hard link) of a file; it stays if the first name is deleted."""
 
     def __init__(self, source: Path, target: Path) -> None:
         target.hardlink_to(source)
 
     def close(self) -> None:
-        """Do nothing: nothing is open."""
+        """Do nothing, because no file is open."""
 
 
 def _refused(why: str) -> RecordingRefusedError:

@@ -27,24 +27,26 @@ if TYPE_CHECKING:
     from station.core.facade.station import Station
 
 VALID_FOR = 180.0
-"""How long a certificate is valid [s wall time]: a person may take a minute to allow an
-agent's command, and whatever matters is looked at again when it is given."""
+"""How long a certificate is valid [s wall time]. A person may take a minute to allow an
+agent's command, and all conditions are checked again when the command is given."""
 MOST = 32
-"""Certificates that are kept; the oldest are dropped first."""
+"""Most certificates that are kept; the oldest are dropped first."""
 _SCENE_TOLERANCE = 0.002
-"""How far an object may be from where it was [m]; coordinates of its pose."""
+"""How far an object may be from its pose at the rehearsal [m]; for each number of the
+pose."""
 _MOTIONS = frozenset({"set_point", "goal", "trajectory", "path"})
 _AT_REST = 0.1
-"""How much a joint may be faster or slower than it was [rad/s or m/s]."""
+"""How much the velocity of a joint may differ from that at the rehearsal [rad/s or
+m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """Distances within which the robot still follows a rehearsed motion.
+    """Largest distances of the robot from a rehearsed motion.
 
     Attributes:
-        pose: At the beginning, each joint [rad or m], > 0.
-        tube: During the motion, each joint [rad or m], > 0.
+        pose: Distance of each joint at the beginning [rad or m], > 0.
+        tube: Distance of each joint during the motion [rad or m], > 0.
     """
 
     pose: float = 0.01
@@ -57,10 +59,11 @@ class Conditions:
 
     Attributes:
         epoch: The station's epoch.
-        changes: How many changes of settings there had been.
+        changes: Number of changes of settings since the station's start.
         running: Names of the controllers that ran.
         gains: Gains by controller and name.
-        scene: Pose of each object around the robot, by the object without it.
+        scene: Pose of each object around the robot, by the report of the object without
+            its pose.
         position: Positions of the joints [rad or m] by name.
         velocity: Velocities of the joints [rad/s or m/s] by name.
     """
@@ -99,7 +102,7 @@ class Conditions:
         )
 
     def changed(self, now: "Conditions", last_change: str) -> str | None:
-        """Return one sentence about a change other than of the joints, or None.
+        """Return a sentence about a change that is not a motion of joints, or None.
 
         Args:
             now: The present conditions.
@@ -126,7 +129,7 @@ class Conditions:
         return None
 
     def moved(self, now: "Conditions", tolerance: float) -> str | None:
-        """Return one sentence about a joint that is elsewhere, or None."""
+        """Return a sentence about a joint that is too far away, or None."""
         for joint, q in self.position.items():
             far = abs(now.position[joint] - q)
             if far > tolerance:
@@ -142,17 +145,18 @@ class Conditions:
 class Tube(CycleTap[None]):
     """Stops the station when joints leave the rehearsed motion.
 
-    It ends with the motion, and when its controller is commanded anew or stops.
+    It stops watching when the motion ends, the epoch changes, or the controller gets
+    another command.
 
     Args:
         station: The station.
         promised: Positions after each cycle of the motion [rad or m], shape (k, n).
-        joints: Indices of the joints that are watched.
-        width: How far each may be away [rad or m].
+        joints: Indices of the joints to watch.
+        width: How far each joint may be from the motion [rad or m].
         controller: The controller that is commanded; empty for none.
 
     Attributes:
-        is_over: Whether it has stopped looking.
+        is_over: Whether it has stopped watching.
     """
 
     def __init__(
@@ -177,7 +181,7 @@ class Tube(CycleTap[None]):
         self._begin: float | None = None
 
     def expect(self, receipt: Receipt) -> None:
-        """Look from the cycle on that takes a command up, which is still to be given.
+        """Watch from the cycle that takes a command; call this before giving it.
 
         Args:
             receipt: Notes the cycle that takes the command.
@@ -186,12 +190,12 @@ class Tube(CycleTap[None]):
         self.open()
 
     def follow(self) -> None:
-        """Note that the command was given: the next one ends the tube."""
+        """Note that the command was given: a further command ends the tube."""
         self._commands = self._station.inputs.commands.get(self._controller)
 
     @override
     def sample_cycle(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
-        """Look at a cycle; control thread only."""
+        """Compare a cycle with the motion. Only the control thread calls it."""
         receipt, commands = self._receipt, self._commands
         if self.is_over or receipt is None or receipt.cycle is None:
             return
@@ -201,7 +205,8 @@ class Tube(CycleTap[None]):
             return
         if self._begin is None:
             self._begin = stamp
-        # Late cycles have longer periods, so time tells where the motion should be.
+        # A late cycle has a longer period, so find the place in the motion by time, not
+        # by counting cycles.
         k = int((stamp - self._begin) / self._station.loop.period + 0.5)
         if k >= len(self._promised):
             self.is_over = True
@@ -252,13 +257,13 @@ class Certificates:
         """Return a certificate for commands that were rehearsed.
 
         Args:
-            steps: The commands; all of them at the beginning.
+            steps: The commands; all must come at the beginning.
             conditions: State of the station at the beginning of the rehearsal.
             positions: Positions of all joints after every cycle [rad or m], (k, n).
 
         Returns:
-            The certificate; None when the last step is not a motion, or when some step
-            comes later.
+            The certificate; None if the last step is not a motion, or if a step comes
+            later than the beginning.
         """
         is_later = any(float(step["at"]) > 0.0 for step in steps)
         if not steps or is_later or steps[-1]["kind"] not in _MOTIONS:
@@ -285,19 +290,19 @@ class Certificates:
 
     @contextmanager
     def redeem(self, name: str, command: Mapping[str, Any]) -> Iterator[Receipt]:
-        """Carry a rehearsed command out in the body of a `with`.
+        """Let a rehearsed command be given in the body of a `with`.
 
-        The commands of a certificate are given in their order, each once. The body
-        gives the command with the receipt.
+        The commands of a certificate must be given in their order, each once. The body
+        gives the command, with the receipt that this method yields.
 
         Args:
             name: The certificate.
             command: The command, as a step of a rehearsal.
 
         Raises:
-            CertificateNotFoundError: There is no such certificate, or no longer.
-            CertificateVoidError: It is for another command, or something that matters
-                has changed; nothing moves.
+            CertificateNotFoundError: The certificate does not exist, or has expired.
+            CertificateVoidError: The certificate is for another command, or a condition
+                of the rehearsal has changed; nothing moves.
             LoopError: The loop died or hangs.
         """
         issued = self._find(name)
@@ -309,11 +314,12 @@ class Certificates:
             try:
                 yield receipt
             except BaseException:
-                # Refused, so nothing moves that is to be watched.
+                # The command was refused, so there is no motion to watch.
                 issued.tube.close()
                 raise
             del issued.commands[0]
-            # What the command itself has changed was rehearsed, too.
+            # The changes by the command itself were rehearsed, so they become
+            # conditions.
             issued.conditions = Conditions.of(self._station)
             if is_last:
                 issued.tube.follow()
@@ -339,14 +345,14 @@ class Certificates:
         self._check_conditions(issued)
 
     def check(self, name: str) -> None:
-        """Refuse a certificate that no command can be given with now.
+        """Refuse a certificate that is no longer valid for any command.
 
         Args:
             name: The certificate.
 
         Raises:
-            CertificateNotFoundError: There is no such certificate, or no longer.
-            CertificateVoidError: Something that matters has changed.
+            CertificateNotFoundError: The certificate does not exist, or has expired.
+            CertificateVoidError: A condition of the rehearsal has changed.
             LoopError: The loop died or hangs.
         """
         issued = self._find(name)
@@ -375,17 +381,18 @@ class Certificates:
             )
 
     def _joints_of(self, names: Sequence[str]) -> list[int]:
-        """Return the indices of the joints that controllers move; all for none."""
+        """Return the indices of the joints that controllers move; all if unknown."""
         moved: set[str] = set()
         for name in names:
             moved |= set(self._station.manager.get_controller(name).joint_names)
         known = self._station.joint_names
-        # Set-points of the hand have names of their own: they move the whole arm.
+        # Controllers of the hand's pose have elements that are not joints, and move the
+        # whole arm.
         moved &= set(known)
         return [i for i, joint in enumerate(known) if not moved or joint in moved]
 
 
 def command_text(command: Mapping[str, Any]) -> str:
-    """Return a command as text; two commands are the same if their texts are."""
+    """Return a command as text; equal commands have equal texts."""
     told = {key: value for key, value in command.items() if key != "at"}
     return json.dumps(told, sort_keys=True, default=str)

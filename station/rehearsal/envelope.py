@@ -1,4 +1,4 @@
-"""The envelope of agents: how far, how fast and how hard their motions may be."""
+"""The envelope of agents: bounds on range, speed and force of their motions."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,20 +13,23 @@ if TYPE_CHECKING:
     from station.rehearsal.run_ahead import Forecast
 
 Hands = Mapping[str, Callable[[NDArray[np.float64]], Sequence[float]]]
-"""Give the place of an end effector in the base frame of its arm [m], shape (3,), from
-the positions of all joints [rad or m], by the arm's name."""
+"""Functions by the arm's name. Each returns the position of an end effector in the base
+frame of its arm [m], shape (3,), from the positions of all joints [rad or m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Envelope:
-    """Bounds of motions beside the robot's own.
+    """Bounds on motions, in addition to the robot's limits.
 
     Attributes:
-        joints: Range of positions by joint [rad or m]; others have that of the robot.
+        joints: Range of positions by joint [rad or m]; other joints have only the
+            robot's limits.
         workspace: Ranges of x, y and z of end effectors in the base frame of their arm
-            [m]; free where there is none. A `fence` of the scene holds links, too.
-        speed: Highest speed of any joint [rad/s or m/s]; None for the robot's own.
-        force: Highest force of a contact [N]; None for any.
+            [m]; an axis without a range is free. To bound all links, use a `fence` of
+            the scene.
+        speed: Highest speed of any joint [rad/s or m/s]; None for the robot's limits
+            only.
+        force: Highest force of a contact [N]; None for no bound.
     """
 
     joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -41,13 +44,14 @@ class Envelope:
         tube: float,
         hands: Hands,
     ) -> RehearsalFault | None:
-        """Return the fault of a motion that leaves the envelope; None for any other.
+        """Return the fault of a motion that leaves the envelope, or None.
 
         Args:
             forecast: The rehearsed motion.
-            joints: Names of the joints of its columns.
-            tube: Largest distance from the rehearsed motion [rad or m]: the
-                ranges have to hold there, too.
+            joints: Names of the joints, in the order of the columns of
+                `forecast.positions`.
+            tube: Largest distance from the rehearsed motion [rad or m]; the ranges must
+                hold at that distance, too.
             hands: The end effectors, for the workspace.
         """
         report, q = forecast.rehearsal, forecast.positions
@@ -90,13 +94,13 @@ class Envelope:
         size: float,
         hands: Hands,
     ) -> str | None:
-        """Return a sentence if a joint may not move as far as a test wants, or None.
+        """Return why a joint may not move as far as a test needs; None if it may.
 
         Args:
             q: Positions of all joints [rad or m], shape (n,).
             joints: Their names.
             joint: Name of the joint that is tested.
-            size: Largest offset from where it is [rad or m].
+            size: Largest offset from its present position [rad or m].
             hands: The end effectors, for the workspace.
         """
         index = list(joints).index(joint)
@@ -107,7 +111,8 @@ class Envelope:
                 f"{joint} would move from {lowest:.4f} to {highest:.4f}; agents have "
                 f"{low:g} to {high:g}."
             )
-        # An arc bulges between its ends: the steps are about 1 cm of the longest arm.
+        # The hand moves on an arc, so check between its ends, too. With these steps the
+        # hand of the longest arm moves about 1 cm.
         for angle in np.linspace(lowest, highest, 2 + int(200.0 * abs(size))):
             reached = q.copy()
             reached[index] = angle

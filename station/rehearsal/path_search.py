@@ -1,4 +1,4 @@
-"""Search for a path of joints between obstacles: RRT-Connect, then shortcuts.
+"""Search for a joint-space path between obstacles: RRT-Connect, then shortcuts.
 
 Source:
     Kuffner and LaValle, RRT-Connect: an efficient approach to single-query path
@@ -15,21 +15,21 @@ from numpy.typing import NDArray
 Joints = NDArray[np.float64]
 """Positions of joints [rad or m], shape (n,)."""
 RESOLUTION = 0.02
-"""Largest step of a joint between two looks for collisions [rad or m]: at the end of an
-arm of 0.85 m it is 17 mm."""
+"""Largest step of a joint between two checks for collisions [rad or m]; 17 mm at the
+end of an arm of 0.85 m."""
 _STEP = 0.6
-"""How far a tree grows at a time [rad or m], largest joint."""
+"""Length of one step of a tree, for the joint that moves most [rad or m]."""
 _SHORTCUTS = 60
 
 
 class PathSearch:
-    """Searches for paths among poses that a judge allows.
+    """Searches for paths among poses that `is_clear` allows.
 
     Args:
         is_clear: Returns whether a pose is free of collisions.
         lower: Lower ends of the joints' ranges [rad or m], shape (n,).
         upper: Upper ends, shape (n,).
-        seed: Of the random numbers.
+        seed: Seed of the random numbers.
     """
 
     def __init__(
@@ -47,12 +47,12 @@ class PathSearch:
     def find(
         self, start: Joints, goals: Sequence[Joints], deadline: float
     ) -> list[Joints] | None:
-        """Return the corners of a path, start and one of the goals among them.
+        """Return the corners of a path, from the start to one of the goals.
 
         Args:
-            start: First pose, without contacts.
-            goals: Possible last poses, without contacts; the best ones first.
-            deadline: When the search ends [s, `time.perf_counter`].
+            start: First pose, which must be clear.
+            goals: Possible last poses, which must be clear; the best ones first.
+            deadline: Time at which the search gives up [s, `time.perf_counter`].
 
         Returns:
             The path; None when none was found in time.
@@ -60,7 +60,8 @@ class PathSearch:
         for goal in goals:
             if self.is_way_clear(start, goal):
                 return [start, goal]
-        # Each tree: its poses, and the index of each one's parent; a root is its own.
+        # A tree has its poses, and the index of each pose's parent; a root is its own
+        # parent.
         trees = (([start], [0]), ([*goals], [*range(len(goals))]))
         side = 0
         while time.perf_counter() < deadline:
@@ -76,9 +77,10 @@ class PathSearch:
         return None
 
     def is_way_clear(self, one: Joints, other: Joints) -> bool:
-        """Return whether the straight way between two poses is clear."""
+        """Return whether the straight line between two poses is clear."""
         count = max(1, int(np.ceil(np.max(np.abs(other - one)) / RESOLUTION)))
-        # From the middle outwards in halves: a collision is found sooner.
+        # Check the middle first, then the middles of the halves: this finds a collision
+        # sooner.
         return all(
             self._is_clear(one + (other - one) * share) for share in _halves(count)
         )
@@ -86,7 +88,7 @@ class PathSearch:
     def _grow(
         self, tree: tuple[list[Joints], list[int]], wanted: Joints, deadline: float
     ) -> Joints | None:
-        """Add one step towards a pose to a tree; return it, or None if blocked."""
+        """Add a step towards a pose to a tree; return the new pose, None if blocked."""
         poses, parents = tree
         nearest = int(np.argmin(((np.array(poses) - wanted) ** 2).sum(axis=1)))
         way = wanted - poses[nearest]
@@ -128,7 +130,7 @@ class PathSearch:
         return self._without_needless(path)
 
     def _without_needless(self, path: list[Joints]) -> list[Joints]:
-        """Leave out corners whose neighbours see each other."""
+        """Leave out corners whose neighbours can be joined by a straight line."""
         k = 1
         while k < len(path) - 1:
             if self.is_way_clear(path[k - 1], path[k + 1]):
@@ -139,7 +141,7 @@ class PathSearch:
 
 
 def _to_root(poses: list[Joints], parents: list[int]) -> list[Joints]:
-    """Return the poses from the newest of a tree to its root."""
+    """Return the poses from the newest pose of a tree to the root."""
     at = len(poses) - 1
     found = [poses[at]]
     while parents[at] != at:
@@ -149,6 +151,6 @@ def _to_root(poses: list[Joints], parents: list[int]) -> list[Joints]:
 
 
 def _halves(count: int) -> list[float]:
-    """Return 1/count … 1, the coarse ones first."""
+    """Return 1/count, 2/count … 1, in the order of repeated halving."""
     order = sorted(range(1, count + 1), key=lambda k: -(k & -k))
     return [1.0, *(k / count for k in order if k < count)]

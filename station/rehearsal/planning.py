@@ -1,4 +1,4 @@
-"""Plan motions that touch nothing, in a copy of the station."""
+"""Plan motions without collisions, in a copy of the station."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -26,37 +26,38 @@ if TYPE_CHECKING:
     from station.core.facade.station import Station
 
 _SLACK = 0.004
-"""The same for all bodies along the timed path [m], of which other poses are looked at
-than of the path that was searched."""
+"""How much nearer than allowed bodies may come on the timed path [m]: it is checked at
+other poses than the search has checked."""
 _INSIDE = 1e-3
 """Distance that a path keeps from the ends of the joints' ranges [rad or m]."""
 _SPEED = 0.4
-"""Part of the velocity limits that a path uses, so that accelerations stay small."""
+"""Share of the velocity limits that a path uses, so that accelerations stay small."""
 _CALM = 1.0
-"""Mean speed without a velocity limit [rad/s or m/s]."""
+"""Mean speed of a joint without a velocity limit [rad/s or m/s]."""
 _ACCELERATION = 2.0
 """Peak acceleration of a segment that begins and ends at rest [rad/s^2 or m/s^2]. A
 Franka allows 7.5; faster changes of speed look like a contact to its observer."""
 _PEAK = 10.0 / 3.0**0.5
-"""Peak acceleration of a quintic polynomial from rest to rest over way / time^2."""
+"""Peak acceleration of a quintic polynomial from rest to rest, divided by distance /
+time^2."""
 _SHORTEST = 0.3
 """Shortest time of a segment [s]."""
 _SAMPLE = 0.01
-"""Time between two looks at the timed path [s]."""
+"""Time between two checks of the timed path [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """The wish for a path.
+    """A request for a path: its target and the limits of the search.
 
     Attributes:
         controller: A running trajectory controller.
         positions: Target positions [rad or m], by joint; others stay.
-        place: Target of the end effector of a Franka arm in the frame of its base:
-            its position [m], shape (3,), and a quaternion x, y, z, w, or None for the
-            present orientation; in place of `positions`.
+        place: Target pose of a Franka's end effector in the frame of its base, in place
+            of `positions`: position [m], shape (3,), and quaternion x, y, z, w, or None
+            for the present orientation.
         timeout: How long to search [s], > 0.
-        seed: Of the random numbers.
+        seed: Seed of the random numbers.
         name: Name of a pose of the robot, in place of a target above; empty for none.
     """
 
@@ -69,11 +70,11 @@ class Wish:
 
 
 def plan(station: "Station", wish: Wish) -> Plan:
-    """Return a path from where a controller's joints are to a pose.
+    """Return a path from the present positions of a controller's joints to a target.
 
     Args:
         station: The station; its robot must be simulated.
-        wish: Target and limits of the search; its name does not count.
+        wish: Target and limits of the search; its `name` is ignored.
 
     Raises:
         ControllerNotFoundError: No such controller is loaded.
@@ -81,9 +82,9 @@ def plan(station: "Station", wish: Wish) -> Plan:
         InvalidCommandError: The controller takes no trajectories, has no such joint, or
             moves no end effector.
         InvalidTrajectoryError: A joint would leave its range.
-        NoPathError: The pose touches something or is out of reach, or no path was found
-            in time.
-        RehearsalError: The robot is no simulated one, or this machine cannot copy the
+        NoPathError: The target is in collision or out of reach, or no path was found in
+            time.
+        RehearsalError: The robot is not simulated, or this machine cannot copy the
             station.
     """
     start = station.motion.query_state(wish.controller).position
@@ -139,7 +140,7 @@ def _goal_of(
 
 
 class _Planner:
-    """Plans in a copy of the station, whose world it may put into any pose."""
+    """Plans in a copy of the station, where it may put the world into any pose."""
 
     def __init__(
         self, station: "Station", wish: Wish, joints: list[str], start: Joints
@@ -165,11 +166,11 @@ class _Planner:
         self._start = start
 
     def find_plan(self, goal: Joints) -> Plan:
-        """Return a path, timed and clear.
+        """Return a path without collisions, with times.
 
         Raises:
             InvalidCommandError: The controller moves no end effector.
-            NoPathError: The goal touches something, or no path was found in time.
+            NoPathError: The goal is in collision, or no path was found in time.
         """
         deadline = time.perf_counter() + self._wish.timeout
         inside = np.full(len(self._joints), _INSIDE)
@@ -180,7 +181,7 @@ class _Planner:
             raise self._in_collision(goals[0])
         search = PathSearch(self._judge.is_clear, *limits, self._wish.seed)
         while (path := search.find(self._start, clear, deadline)) is not None:
-            # Between the poses that were looked at it may touch something yet.
+            # The path may still collide between the poses that the search has checked.
             states = self._timed(path)
             if states is not None:
                 return self._plan_of(path, states)
@@ -228,7 +229,7 @@ class _Planner:
 
         Raises:
             InvalidCommandError: The controller moves no end effector.
-            NoPathError: The end effector cannot get there.
+            NoPathError: The end effector cannot reach the target.
         """
         if self._wish.place is None:
             return [goal]
@@ -244,10 +245,11 @@ class _Planner:
         )
 
     def _timed(self, path: list[Joints]) -> list[PosVelAccState] | None:
-        """Return a path with times: in one go if that is clear, else corner by corner.
+        """Return a path with times: without stops if this is clear, else with stops.
 
         Returns:
-            The states at its corners; None when neither is clear.
+            The states at its corners; None if it collides even with a stop at every
+            corner.
         """
         places = [pose.tolist() for pose in path]
         spans = [

@@ -1,4 +1,4 @@
-"""Positions of joints with which an end effector is at a pose."""
+"""Inverse kinematics: joint positions that bring an end effector to a pose."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
@@ -18,19 +18,20 @@ if TYPE_CHECKING:
     from station.core.facade.station import Station
 
 _TRIES = 40
-"""Poses from which the solver sets out; the present one is the first."""
+"""Number of poses from which the solver starts; the present pose is the first."""
 _MOST = 6
-"""Solutions that are enough: a way to one of them is searched."""
+"""Number of solutions after which the solver ends: a path to one of them is searched.
+"""
 _STEPS = 60
 _LONGEST = 0.3
-"""Largest step of a joint [rad]: a Newton step is worth nothing farther away."""
+"""Largest step of a joint [rad]: a longer Newton step is not reliable."""
 _EXACT = 1e-5
-"""Error of a solution [m, rad]."""
+"""Largest error of a solution [m, rad]."""
 _DAMPING = 1e-5
 _APART = 0.1
-"""Solutions that differ by less in every joint are the same [rad]."""
+"""Two solutions whose joints all differ by less are the same [rad]."""
 _AT_LIMIT = 1e-3
-"""Distance at which a joint is at the end of its range [rad]."""
+"""Distance from the end of a joint's range that counts as its end [rad]."""
 
 
 class EndEffector:
@@ -48,11 +49,11 @@ class EndEffector:
         self._frames = (state.F_T_EE, state.EE_T_K)
 
     def pose(self, q: Joints) -> list[float]:
-        """Return the pose of the end effector in the base frame, 16 numbers."""
+        """Return its pose in the base frame, column-major, shape (16,)."""
         return self._model.pose(Frame.END_EFFECTOR, q.tolist(), *self._frames)
 
     def jacobian(self, q: Joints) -> list[float]:
-        """Return its Jacobian, 42 numbers."""
+        """Return the Jacobian of the end effector, column-major, shape (42,)."""
         return self._model.zero_jacobian(Frame.END_EFFECTOR, q.tolist(), *self._frames)
 
 
@@ -79,7 +80,7 @@ def end_effector_of(
         joints: Its joints.
 
     Raises:
-        InvalidCommandError: They are not the joints of one Franka arm.
+        InvalidCommandError: The joints are not those of a single Franka arm.
     """
     for one in end_effectors(station).values():
         if one.joints == list(joints):
@@ -96,11 +97,11 @@ def target_pose(
     position: Sequence[float],
     orientation: Sequence[float] | None,
 ) -> list[float]:
-    """Return the target pose of an end effector, 16 numbers.
+    """Return the target pose of an end effector, column-major, shape (16,).
 
     Args:
-        present: The present pose, 16 numbers.
-        position: [m], shape (3,).
+        present: The present pose, column-major, shape (16,).
+        position: Target position [m], shape (3,).
         orientation: Quaternion x, y, z, w of any length but 0; None keeps the present
             one.
     """
@@ -117,22 +118,23 @@ def joints_at(
     seed: int,
     accept: Callable[[Joints], bool],
 ) -> list[Joints]:
-    """Return positions with which the hand is at a pose, the nearest ones first.
+    """Return joint positions that bring the hand to a pose, the nearest ones first.
 
     Args:
         hand: The end effector.
-        target: The pose, 16 numbers.
+        target: The pose, column-major, shape (16,).
         start: Present positions [rad], shape (n,).
         limits: Lower and upper ends of the joints' ranges [rad], shape (n,) each.
         names: The joints.
-        seed: Of the random numbers.
-        accept: Whether a solution is good; the search ends with enough of them.
+        seed: Seed of the random numbers.
+        accept: Returns whether a solution is good; the search ends after enough good
+            ones.
 
     Returns:
-        The reachable poses; others if none is reachable.
+        The solutions that `accept` allows; all solutions if it allows none.
 
     Raises:
-        NoPathError: The hand cannot get there.
+        NoPathError: The hand cannot reach the pose.
     """
     random = np.random.default_rng(seed)
     good: list[Joints] = []
@@ -164,7 +166,7 @@ def joints_at(
 def _solve(
     hand: EndEffector, target: Doubles, q: Joints, limits: tuple[Joints, Joints]
 ) -> tuple[Joints, float]:
-    """Take Newton steps; return their end, and the error there [m, rad]."""
+    """Take Newton steps; return the last positions, and the error there [m, rad]."""
     error, step, matrix = zeros(6), zeros(len(q)), zeros(36)
     size = np.inf
     for _ in range(_STEPS):
@@ -186,7 +188,7 @@ def _left(
     limits: tuple[Joints, Joints],
     names: Sequence[str],
 ) -> tuple[str, dict[str, object]]:
-    """Word the distance of a hand from its target, and the joints that stop it."""
+    """Describe how far a hand is from its target, and the joints that limit it."""
     error = zeros(6)
     twist_between(doubles(hand.pose(q)), target, 1.0, error)
     far, turned = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))

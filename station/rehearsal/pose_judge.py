@@ -1,4 +1,4 @@
-"""Judge of poses: pairs of bodies that would be too near for a path."""
+"""Check poses: find pairs of bodies that are too near for a path."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -11,30 +11,30 @@ if TYPE_CHECKING:
     from station.core.facade.station import Station
 
 MARGIN = 0.01
-"""Least distance to everything that is farther away at the beginning [m]; to what has a
-role, beyond its own margin."""
+"""Least distance of bodies that are farther apart at the beginning [m]. For an object
+with a role, it is added to the object's own margin."""
 DEPTH = 0.001
-"""How much nearer bodies may come that are near each other at the beginning [m]."""
+"""How much nearer two bodies may come that are near each other at the beginning [m]."""
 _APART = 0.035
-"""Least distance of two parts of a Franka [m]: it ends a motion at 0.03."""
+"""Least distance of two parts of a Franka [m]; the arm ends a motion at 0.03."""
 
 Pair = tuple[str, str, float, float]
-"""Names of two bodies, their distance, and the distance that is kept [m]."""
+"""Names of two bodies, their distance [m], and the distance to keep [m]."""
 
 
 class PoseJudge:
     """Finds pairs that are too near in a pose; in a copy of the station only.
 
-    Judges are MuJoCo for solid bodies, the guards for roles, and the model of each
-    Franka for its own parts.
+    MuJoCo finds solid bodies, the scene guards find objects with a role, and the model
+    of each Franka finds its own parts.
 
     Args:
-        station: The station, whose world stays in the last pose.
+        station: The station; its world stays in the pose that was checked last.
         joints: Names of the joints of a pose.
-        start: First pose [rad or m]: pairs that are near in it may stay so.
+        start: First pose [rad or m]; pairs that are near in this pose may stay near.
 
     Raises:
-        NoPathError: The robot is no simulated one.
+        NoPathError: The robot is not simulated.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class PoseJudge:
 
         Args:
             pose: Positions of the joints [rad or m], shape (n,).
-            slack: By how much they may be nearer [m].
+            slack: How much nearer than allowed a pair may be [m].
         """
         return [
             pair
@@ -81,11 +81,11 @@ class PoseJudge:
         ]
 
     def is_clear(self, pose: Joints) -> bool:
-        """Return whether nothing is nearer than it may be."""
+        """Return whether no pair is nearer than allowed."""
         return not self.blocked(pose)
 
     def _pairs(self, pose: Joints) -> list[Pair]:
-        """Return the pairs that are nearer than the kept distance."""
+        """Return the pairs that are nearer than the distance to keep."""
         values = pose.tolist()
         found = [(*pair, MARGIN) for pair in self._near(values)]
         positions = dict(zip(self._joints, values, strict=True))

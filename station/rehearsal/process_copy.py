@@ -1,11 +1,12 @@
-"""Run something in a copy of this process, and take its result.
+"""Run a function in a copy of this process, and return its result.
 
-The copy (`fork`) has all memory as it was, so a station in it goes on from the present
-cycle with the same robot, controllers and commands, bit for bit. Nothing that it does
-reaches the original: shared memory becomes its own, and it has no socket or file.
+The copy (`fork`) has the same memory, so a station in it goes on from the present cycle
+with the same robot, controllers and commands, bit for bit. The copy cannot affect the
+original: it gets its own shared memory, and keeps no socket or file.
 
-A copy has the calling thread only. A lock that another thread held at that moment
-stays locked in it, so a copy that makes no progress is ended and another one is made.
+A copy has only the calling thread. A lock that another thread held at the moment of the
+copy stays locked in it for ever, so a copy that makes no progress is ended and
+replaced.
 """
 
 import ctypes
@@ -25,14 +26,14 @@ from station.core.faults import trace_of_fault
 ResultT = TypeVar("ResultT")
 
 STUCK_AFTER = 2.0
-"""A copy that has not said for so long that it makes progress is ended [s]. A piece of
-work takes milliseconds; a busy machine may keep the copy off the processor."""
+"""Time without a sign of progress after which a copy is ended [s]. A piece of work
+takes milliseconds, but a busy machine may not run the copy for a while."""
 ATTEMPTS = 4
-"""Copies that are made at most, one after the other."""
+"""Most copies that are made, one after the other."""
 _PROGRESS = b"."
 _RESULT = b"="
 _FAILURE = b"!"
-# From the headers of Linux and glibc, for two calls that Python does not have.
+# Constants from the headers of Linux and glibc, for two calls that Python lacks.
 _PR_SET_PDEATHSIG = 1
 _PROT_READ_WRITE = 0x1 | 0x2
 _MAP_PRIVATE_FIXED_ANONYMOUS = 0x02 | 0x10 | 0x20
@@ -44,18 +45,18 @@ def run_in_copy(
     wait: Callable[[], None] = lambda: None,
     patience: float = STUCK_AFTER,
 ) -> ResultT:
-    """Return the result of `work`, done in a copy of this process.
+    """Call `work` in a copy of this process, and return its result.
 
     Args:
         work: Called in the copy, with a function that it calls after each piece of
-            work. Its result is pickled; None says that the copy was made at a moment
-            that it cannot use.
+            work. Its result is pickled; None means that the copy was made at an
+            unsuitable moment.
         wait: Called before each copy is made; waits for a good moment.
         patience: A copy that has not said for so long that it makes progress is ended
             [s].
 
     Raises:
-        RehearsalError: This system cannot copy a process, or no copy has come to a
+        RehearsalError: This system cannot copy a process, or no copy has returned a
             result.
     """
     if sys.platform != "linux":
@@ -90,7 +91,7 @@ def run_in_copy(
 def _run_once(
     work: Callable[[Callable[[], None]], object], patience: float
 ) -> tuple[bytes, bytes]:
-    """Make one copy; return how it ended, `_PROGRESS` if it did not, and its answer."""
+    """Make one copy; return how it ended, `_PROGRESS` if stuck, and its answer."""
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
@@ -105,21 +106,21 @@ def _run_once(
             received += part
     finally:
         os.close(reading)
-        # It has ended, or is stuck, or nobody wants its answer any more.
+        # The copy has ended, is stuck, or its answer is no longer wanted.
         with suppress(ProcessLookupError):
             os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
     answer = bytes(received.lstrip(_PROGRESS))
-    # The answer ends with a mark: one that is cut off counts as none.
+    # A complete answer ends with a mark; a truncated one counts as no answer.
     if not answer.endswith(_PROGRESS):
         return _PROGRESS, b""
     return answer[:1], answer[1:-1]
 
 
 def _live_as_copy(work: Callable[[Callable[[], None]], object], writing: int) -> None:
-    """Do the work in the copy, write the answer, and end without any clean-up.
+    """Do the work in the copy, write the answer, and exit without any clean-up.
 
-    Whatever waits to be closed, flushed or joined belongs to the original.
+    Everything that would be closed, flushed or joined belongs to the original.
     """
     code = 1
     try:
@@ -141,37 +142,37 @@ def _tell(writing: int) -> None:
 
 
 def _become_ordinary(kept: int) -> None:
-    """Give up priority, files and shared memory of the original process.
+    """Give up the priority, the files and the shared memory of the original process.
 
     Args:
         kept: The only file that stays open, besides the standard ones.
     """
-    # First: with the priority of the station's threads it would keep them waiting.
+    # Lower the priority first: otherwise the copy would delay the station's threads.
     with suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     with suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, max(0, os.getpriority(os.PRIO_PROCESS, 0)))
     library = ctypes.CDLL(None, use_errno=True)
-    # It does not outlive the thread that waits for it.
+    # The copy must not outlive the thread that waits for it.
     library.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    # A collection would touch, and so copy, every object there is.
+    # A garbage collection would touch, and so copy, every object.
     gc.disable()
     _own_shared_memory(library)
-    # Sockets end for their peers when all processes have closed them.
+    # A socket ends for its peer only when every process has closed it.
     os.closerange(3, kept)
     os.closerange(kept + 1, os.sysconf("SC_OPEN_MAX"))
 
 
 def _own_shared_memory(library: ctypes.CDLL) -> None:
-    """Put memory of this process in the place of writable shared memory.
+    """Replace writable shared memory by memory of this process.
 
     The watchdog, and programs of libfranka, would otherwise take the copy's values
     for the station's own.
 
     Raises:
-        OSError: The system refuses it.
+        OSError: The system refuses the mapping.
     """
     library.mmap.restype = ctypes.c_void_p
     library.mmap.argtypes = (

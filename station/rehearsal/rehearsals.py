@@ -1,4 +1,4 @@
-"""The rehearsals of a station, in a copy of it; their certificates and policies."""
+"""Rehearse commands in a copy of the station, with certificates and policies."""
 
 import math
 import threading
@@ -43,27 +43,28 @@ if TYPE_CHECKING:
     from station.core.facade.station import Station
 
 _ATTEMPTS = 4
-"""Paths that are planned and rehearsed at most for one wish."""
+"""Most paths that are planned and rehearsed for one request."""
 BURST = 5
-"""Copies of a live station that a client may have made in a row."""
+"""Number of copies of a live station that a client may request in a row."""
 INTERVAL = 1.0
-"""Time after which a client may have one more made [s]. A copy delays the loop by 2 to
-6 ms, so that a client costs a live loop less than 1 % of its cycles."""
+"""Time after which a client may request one more copy [s]. A copy delays the loop by 2
+to 6 ms, so a client costs a live loop less than 1 % of its cycles."""
 
 ResultT = TypeVar("ResultT")
 
 
 class RunModel(Protocol):
-    """Works with a model of a station whose robot is real, without delaying it."""
+    """Runs a function on the model of a real robot, without delaying its station."""
 
     def __call__(
         self, station: "Station", work: Callable[["Station"], ResultT], /
     ) -> ResultT:
-        """Return the result of `work`.
+        """Call `work` with a model of the station, and return its result.
 
         Args:
             station: The station.
-            work: Called with the model, which is of no use afterwards; can be pickled.
+            work: Function that is called with the model; it can be pickled, and the
+                model is not used afterwards.
 
         Raises:
             RehearsalError: There is no model.
@@ -72,7 +73,7 @@ class RunModel(Protocol):
 
 
 _redeemed: ContextVar[bool] = ContextVar("redeemed", default=False)
-"""Whether the command that is being given has the certificate of a rehearsal."""
+"""Whether the present command has the certificate of a rehearsal."""
 
 
 class AgentEnvelopeError(StationError, ValueError):
@@ -82,7 +83,7 @@ class AgentEnvelopeError(StationError, ValueError):
 
 
 class TooManyRehearsalsError(StationError, RuntimeError):
-    """A client has had too many copies of a live station made in a row."""
+    """A client has requested too many copies of a live station in a row."""
 
     code = "too_many_rehearsals"
 
@@ -91,9 +92,10 @@ class Policy(StrEnum):
     """Need of a rehearsal before a motion."""
 
     OFF = "off"
-    """They need not be."""
+    """A motion needs no rehearsal."""
     ADVISE = "advise"
-    """They should be: the answer to a command without a certificate says so."""
+    """A motion should be rehearsed: the answer to a command without a certificate says
+    so."""
     REQUIRED = "required"
     """A command without a certificate is refused."""
 
@@ -115,12 +117,12 @@ class Rules:
     tolerances: Tolerances = field(default_factory=Tolerances)
 
     def policy_of(self, *, is_agent: bool) -> Policy:
-        """Return the policy for an agent, or for everybody else."""
+        """Return the policy for an agent, or for every other client."""
         return self.agent if is_agent else self.operator
 
 
 class RehearsalRate:
-    """Bounds how often the copies for one client may delay a live loop. Any thread.
+    """Limits how often copies for one client may delay a live loop. Any thread.
 
     Args:
         now: Monotonic clock [s].
@@ -132,13 +134,14 @@ class RehearsalRate:
         self._paid_until: dict[str, float] = {}
 
     def check(self, who: str | None) -> None:
-        """Refuse one more copy for a client that has had too many made in a row.
+        """Refuse another copy for a client that has requested too many in a row.
 
         Args:
-            who: Name of the client; the bound is that of each client.
+            who: Name of the client, since each client has a limit of its own; None is
+                never refused.
 
         Raises:
-            TooManyRehearsalsError: It has.
+            TooManyRehearsalsError: The client has requested too many in a row.
         """
         since = self._paid_until.get(who or "", -math.inf) - self._now()
         wait = since - (BURST - 1) * INTERVAL
@@ -154,21 +157,22 @@ class RehearsalRate:
         """Count a copy of a live station for a client."""
         with self._lock:
             now, known = self._now(), self._paid_until.items()
-            # Who has paid is forgotten: names are not kept for ever.
+            # Forget clients whose waiting time is over, so that names are not kept for
+            # ever.
             kept = {name: until for name, until in known if until > now}
             self._paid_until = {**kept, who: max(kept.get(who, now), now) + INTERVAL}
 
 
 class Rehearsals:
-    """Rehearses commands, and lets them be given as they were rehearsed. Any thread.
+    """Rehearses commands, and lets clients give them as rehearsed. Any thread.
 
     Args:
         station: The station.
-        plans: Makes inputs of further kinds of steps, by kind.
+        plans: Functions that turn steps of further kinds into inputs, by kind.
         rules: The policies.
         now: Monotonic clock [s], for the rate of each client.
-        run_model: Rehearses with a model of a real robot; such robots are refused when
-            None.
+        run_model: Rehearses with a model of a real robot; with None real robots are
+            refused.
 
     Attributes:
         rules: The policies.
@@ -192,11 +196,12 @@ class Rehearsals:
         self._busy = threading.Lock()
 
     def adopt(self, rules: Rules, run_model: RunModel | None = None) -> None:
-        """Follow other rules; certificates of before are void.
+        """Follow new rules; certificates issued before become void.
 
         Args:
             rules: The policies.
-            run_model: Rehearses with a model of a real robot; as before when None.
+            run_model: Rehearses with a model of a real robot; None keeps the present
+                one.
         """
         self.rules = rules
         self._run_model = run_model or self._run_model
@@ -218,16 +223,16 @@ class Rehearsals:
         Args:
             steps: Inputs with `kind`, their arguments, and `at`, the time at which they
                 are carried out [s since the beginning].
-            seconds: How long the rehearsal lasts [s]; until the goals have ended and
-                the joints stand still when None, 30 s at most.
-            certify: Whether a certificate is wanted.
-            is_agent: Whether an agent asks, whose motions have an envelope.
+            seconds: How long the rehearsal lasts [s]; None ends it when the goals have
+                ended and the joints stand still, after 30 s at the latest.
+            certify: Whether to issue a certificate.
+            is_agent: Whether an agent asks; the envelope applies to its motions.
             who: Name of the client; None for the program that the station runs in.
 
         Raises:
-            RehearsalError: The robot is a real one that moves or has no model, another
+            RehearsalError: The robot is real and moves or has no model, another
                 rehearsal is under way, or this machine cannot copy the station.
-            TooManyRehearsalsError: The client has made too many in a row.
+            TooManyRehearsalsError: The client has requested too many in a row.
         """
         run_model = self._model_of_standing_robot()
         self.rate.check(who)
@@ -248,10 +253,10 @@ class Rehearsals:
         return told
 
     def plan(self, wish: Wish, who: str | None = None) -> Plan:
-        """Return a path to a pose that touches nothing; nothing moves.
+        """Return a path without collisions to a pose; nothing moves.
 
-        Each path is rehearsed, and another one is searched for if it would fail. For a
-        real robot a model of it does both.
+        The station rehearses the path, and searches for another one if the rehearsal
+        fails. For a real robot both happen in a model of it.
 
         Args:
             wish: Target and limits of the search.
@@ -265,9 +270,9 @@ class Rehearsals:
             InvalidTrajectoryError: A joint would leave its range.
             NoPathError: The pose touches something or is out of reach, or no path was
                 found in time.
-            RehearsalError: The robot is a real one that moves or has no model, another
+            RehearsalError: The robot is real and moves or has no model, another
                 rehearsal is under way, or this machine cannot copy the station.
-            TooManyRehearsalsError: The client has made too many in a row.
+            TooManyRehearsalsError: The client has requested too many in a row.
         """
         run_model = self._model_of_standing_robot()
         self.rate.check(who)
@@ -284,7 +289,8 @@ class Rehearsals:
         for attempt in range(_ATTEMPTS):
             found = plan(self._station, replace(wish, seed=wish.seed + attempt))
             goal = {"kind": "goal", "name": wish.controller, "request": found.goal}
-            # What the search takes is paid for afterwards: it is not refused half done.
+            # Count all copies of the search afterwards, so that it is not refused half
+            # done.
             self._pay(who)
             told = self.rehearse([{**goal, "at": 0.0}])
             if told.outcome is RehearsalOutcome.COMPLETED:
@@ -302,7 +308,8 @@ class Rehearsals:
 
         Raises:
             ControllerNotFoundError: There is no such controller.
-            InvalidCommandError: The robot has no such pose, or not of these joints.
+            InvalidCommandError: The robot has no such pose, or the pose has none of
+                these joints.
         """
         world = self._station.loop.hw.simulated_world()
         poses = {} if world is None else world.keyframes()
@@ -317,10 +324,10 @@ class Rehearsals:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Hold other rehearsals off in the body of a `with`.
+        """Keep other rehearsals waiting in the body of a `with`.
 
         Raises:
-            RehearsalError: Another one is under way.
+            RehearsalError: Another rehearsal is under way.
         """
         if not self._busy.acquire(timeout=1.0):
             raise RehearsalError(
@@ -335,7 +342,7 @@ class Rehearsals:
         """Carry out a script in a copy, or with a model if there is one.
 
         Raises:
-            RehearsalError: It is not possible.
+            RehearsalError: The copy or the model cannot carry the script out.
         """
         station = self._station
         if run_model is None:
@@ -346,7 +353,8 @@ class Rehearsals:
         conditions, steps = Conditions.of(station), []
         for step in script.steps:
             plan_step = self._plans.get(str(step["kind"]))
-            # The model knows no paths; from where the robot stands the station plans.
+            # The model has no saved paths, so the station plans the goal here, from the
+            # robot's present position.
             if plan_step is not None and float(step["at"]) > 0.0:
                 raise RehearsalError(
                     "With a model a path is rehearsed from the beginning alone.",
@@ -355,7 +363,7 @@ class Rehearsals:
             told = step if plan_step is None else plan_step(step)
             steps.append({**told, "at": step["at"]})
         found = run_model(station, partial(_move, replace(script, steps=steps)))
-        # A certificate is for what the real robot begins with.
+        # The conditions of a certificate are those of the real robot, not of the model.
         report = replace(found.rehearsal, twin="model")
         return replace(found, rehearsal=report, conditions=conditions)
 
@@ -364,7 +372,7 @@ class Rehearsals:
 
         Raises:
             RehearsalError: The real robot has no model, a goal is under way, or a joint
-                moves: the model does not know how.
+                moves: the model can only begin at rest.
         """
         station = self._station
         if station.loop.hw.simulated_world() is not None:
@@ -395,7 +403,7 @@ class Rehearsals:
         return self._run_model
 
     def _pay(self, who: str | None) -> None:
-        """Count a copy of a live station for the client that it is made for."""
+        """Count a copy for its client if the station is live."""
         loop = self._station.loop
         if who is not None and loop.state is LoopState.RUNNING and not loop.pace.paused:
             self.rate.count(who)
@@ -404,7 +412,7 @@ class Rehearsals:
     def redeemed(
         self, certificate: str | None, command: Mapping[str, Any]
     ) -> Iterator[Receipt | None]:
-        """Give a command in the body of a `with`, by a certificate if there is one.
+        """Let a command be given in the body of a `with`, by its certificate if any.
 
         Args:
             certificate: Name of the certificate; None without one.
@@ -427,15 +435,16 @@ class Rehearsals:
                 _redeemed.reset(before)
 
     def check_agent(self, certificate: str | None) -> None:
-        """Refuse a motion of an agent that a person's leave could not save.
+        """Refuse a motion of an agent before a person is asked to allow it.
 
         Args:
-            certificate: Name of its certificate; None without one.
+            certificate: Name of the motion's certificate; None without one.
 
         Raises:
-            RehearsalNeededError: The policy requires a rehearsal, and there was none.
+            RehearsalNeededError: The policy requires a rehearsal, and the motion has no
+                certificate.
             CertificateNotFoundError: There is no such certificate, or no longer.
-            CertificateVoidError: Something that matters has changed.
+            CertificateVoidError: A condition of the rehearsal has changed.
             LoopError: The loop died or hangs.
         """
         if certificate is None:
@@ -444,10 +453,10 @@ class Rehearsals:
             self._certificates.check(certificate)
 
     def check(self, *, is_agent: bool) -> None:
-        """Refuse a motion that has to be rehearsed and has no certificate.
+        """Refuse a motion that needs a rehearsal and has no certificate.
 
         Args:
-            is_agent: Whether an agent gives it.
+            is_agent: Whether an agent gives the command.
 
         Raises:
             RehearsalNeededError: The caller's policy requires a rehearsal.
@@ -468,18 +477,18 @@ class Rehearsals:
         }
 
     def check_range(self, joint: str, size: float) -> None:
-        """Refuse a test of a joint by an agent that would leave its envelope.
+        """Refuse an agent's test of a joint that would leave the envelope.
 
         Args:
             joint: Name of the joint.
-            size: Largest offset from where it is [rad or m].
+            size: Largest offset from the present position [rad or m].
 
         Raises:
-            AgentEnvelopeError: It would.
+            AgentEnvelopeError: The test would leave the envelope.
         """
         names, now = self._station.joint_names, self._station.latest()
         if joint not in names:
-            return  # the bench refuses it by name
+            return  # the bench will refuse an unknown joint
         q = np.array(now.position)
         check = self.rules.envelope.check_range
         text = check(q, names, joint, size, self._hands())
@@ -491,7 +500,7 @@ def _move(script: Script, model: "Station") -> Forecast:
     """Carry out a script with a model.
 
     Raises:
-        RehearsalError: The model is in the middle of a cycle.
+        RehearsalError: The model was copied in the middle of a cycle.
     """
     found = run_ahead(model, script, {}, lambda: None)
     if found is None:

@@ -31,22 +31,22 @@ if TYPE_CHECKING:
     from station.core.facade.station import Station
 
 LONGEST = 30.0
-"""Longest rehearsal without a time of its own [s]."""
+"""Longest rehearsal whose length is not given [s]."""
 AT_REST = 5e-4
 """Joints that move by no more than this in `REST_CYCLES` stand still [rad or m].
-Measured speeds do not tell: their noise is 0.01 rad/s."""
+Measured speeds cannot tell this, because their noise is 0.01 rad/s."""
 REST_CYCLES = 100
 _CLAMP_CYCLES = 20
-"""Cycles between two looks at the commands that limits have cut off, which take as long
-as a cycle."""
+"""Cycles between two checks of the commands that limits have cut off; a check takes as
+long as a cycle."""
 _NEAR_CYCLES = 20
-"""Cycles between two looks for what is near, which take as long as a cycle."""
+"""Cycles between two searches for near bodies; a search takes as long as a cycle."""
 _BATCH = 250
-"""Cycles between two looks at the ring of snapshots, and signs of progress."""
+"""Cycles between two reads of the ring of snapshots, and between signs of progress."""
 _ROWS = 200
 
 Plans = Mapping[str, Callable[[Mapping[str, Any]], Mapping[str, Any]]]
-"""Makes another input of a step of a kind that the core does not know."""
+"""Functions, by kind, that turn a step of a kind unknown to the core into an input."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class Script:
     Attributes:
         steps: Inputs with `kind`, their arguments, and `at`, the time at which they
             are carried out [s since the beginning].
-        seconds: How long it lasts [s]; until the joints stand still when None.
+        seconds: How long it lasts [s]; None ends it when the joints stand still.
     """
 
     steps: Sequence[Mapping[str, Any]]
@@ -65,7 +65,7 @@ class Script:
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """The findings of a copy of the station.
+    """The result of a rehearsal in a copy of the station.
 
     Attributes:
         rehearsal: The report.
@@ -84,13 +84,13 @@ def run_ahead(
     """Carry out a script in this process, which is a copy of the station's.
 
     Args:
-        station: The station; it is of no use afterwards.
-        script: Commands that are carried out.
-        plans: Makes inputs of further kinds of steps.
+        station: The station; it cannot be used afterwards.
+        script: Commands to carry out.
+        plans: Functions that turn steps of further kinds into inputs, by kind.
         tell: Called after each piece of work.
 
     Returns:
-        The forecast; None when a cycle was under way as the copy was made.
+        The forecast; None if the copy was made in the middle of a cycle.
     """
     if not station.loop.go_on_without_thread():
         return None
@@ -99,13 +99,14 @@ def run_ahead(
 
 @dataclass(slots=True)
 class _Seen:
-    """Events besides the states of the joints."""
+    """Contacts, clamped commands and near pairs that were seen so far."""
 
     contacts: dict[tuple[str, str], tuple[int, float]] = field(default_factory=dict)
     clamps: dict[str, tuple[int, int]] = field(default_factory=dict)
-    """Number of commands cut off and first cycle, by joint."""
+    """Number of commands that were cut off, and cycle of the first one, by joint."""
     near: dict[str, ClearanceForecast] = field(default_factory=dict)
-    """The pair that came nearest, by arm; of solid bodies under an empty name."""
+    """The pair that came nearest, by arm; solid bodies have an empty name for the arm.
+    """
 
 
 class _RunAhead:
@@ -140,11 +141,11 @@ class _RunAhead:
         self._rows: list[NDArray[np.float64]] = []
         self._taken = self._begin
         self._error: RehearsalFault | None = None
-        # A switch runs cycles while it waits; they are looked at, too.
+        # A switch runs cycles while it waits, and these must be checked, too.
         station.manager.pump = self._advance
 
     def run(self) -> Forecast:
-        """Run until the end, or the first error."""
+        """Run cycles until the end, or until the first error."""
         while self._error is None and not self._is_over():
             self._carry_out_due()
             if self._error is None:
@@ -233,7 +234,7 @@ class _RunAhead:
             if has_stopped and one.fault is not None and self._error is None:
                 self._note_fault(one.info.name, str(one.fault))
         self._running = self._gate.running
-        # After the faults: a robot that ends a motion also ends the goal.
+        # Check goals after faults: a robot that ends a motion also ends the goal.
         for goal in self._goals:
             if goal.status is GoalStatus.ABORTED and self._error is None:
                 result = goal.result
@@ -242,12 +243,13 @@ class _RunAhead:
                 self._note(RehearsalCause.TOLERANCE, where, "goal_aborted", text)
 
     def _note_fault(self, controller: str, fault: str) -> None:
-        """Note the end of a controller: by the robot's error, or by its own."""
+        """Note the end of a controller, by an error of the robot or its own fault."""
         robots = self._station.robots
         for arm_id in robots.names(FrankaServices):
             kind: type[FrankaServices] = FrankaServices  # type: ignore[type-abstract]
             arm = robots.get(arm_id, kind)
-            # The guard ends the motion in place of the arm, which then has no error.
+            # The scene guard has ended the motion in place of the arm, which has no
+            # error then.
             if GUARD_REFLEX in fault and f"'{arm_id}'" in fault:
                 self._note(RehearsalCause.REFLEX, arm_id, GUARD_REFLEX, fault)
                 return
@@ -386,7 +388,8 @@ def digest_of(states: "NDArray[np.float64]") -> str:
     """Return the SHA-256 of positions, velocities and efforts.
 
     Args:
-        states: Of every cycle, as `Rows.states_of_joints` has them, shape (k, 3, n).
+        states: Joint states of every cycle, as `Rows.states_of_joints` returns them,
+            shape (k, 3, n).
     """
     return hashlib.sha256(
         np.ascontiguousarray(states, dtype="<f8").tobytes()
@@ -394,18 +397,18 @@ def digest_of(states: "NDArray[np.float64]") -> str:
 
 
 def _stand_still(clock: Clock) -> ManualClock:
-    """Let a clock follow the cycles; return the function that advances it."""
+    """Let a clock stand still between cycles; return the clock that advances it."""
     if isinstance(clock, ManualClock):
         return clock
     manual = ManualClock(clock.now())
-    # Controllers, ports and switches hold the same object as the loop.
+    # Controllers, ports and switches hold this clock object, so change its methods.
     for name in ("now", "sleep_until", "wait_for"):
         setattr(clock, name, getattr(manual, name))
     return manual
 
 
 def _rest(states: "NDArray[np.float64]") -> bool:
-    """Return whether the joints stand still in some cycles, shape (k, 3, n)."""
+    """Return whether the joints stand still in these cycles, shape (k, 3, n)."""
     if not len(states):
         return True
     return float(np.max(np.ptp(states[:, 0], axis=0), initial=0.0)) < AT_REST
