@@ -55,7 +55,7 @@ class PlannedMotion:
         self._input.max_velocity = self._fastest
 
     def advance(self) -> Doubles:
-        """Return the positions of the next cycle [rad], shape (n,), in the same memory."""
+        """Return the next positions [rad], shape (n,), in the same memory each time."""
         if self._limits.curves:
             self._bend_velocity_limits()
         try:
