@@ -94,7 +94,7 @@ class Envelope:
         size: float,
         hands: Hands,
     ) -> str | None:
-        """Return why a joint may not move as far as a test needs; None if it may.
+        """Return the reason why a joint may not move so far; None if it may.
 
         Args:
             q: Positions of all joints [rad or m], shape (n,).

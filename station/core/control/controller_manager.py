@@ -393,7 +393,7 @@ class ControllerManager:
             return names
 
     def chains(self) -> ControllerChains:
-        """Return which loaded controllers command and read which others."""
+        """Return the chains: the controllers that each one commands or reads."""
         return chains_report(self.lifecycle.loaded)
 
     def controller_statistics(self) -> list[ControllerStatistics]:

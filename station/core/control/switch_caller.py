@@ -192,7 +192,7 @@ class SwitchCaller:
             request = replace(request, stop=(*request.stop, *sorted(held)))
 
     def _unavailable(self, plan: SwitchPlan, request: SwitchRequest) -> dict[str, str]:
-        """Return why controllers cannot start on their hardware, by name.
+        """Return the reasons why controllers cannot start on their hardware, by name.
 
         Raises:
             SwitchRefusedError: There is such a controller, and the request is strict.

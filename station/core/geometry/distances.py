@@ -338,7 +338,7 @@ def reaches(chain: Doubles, capsules: Doubles, owners: Indices) -> list[float]:
 def reaches_of_tree(
     tree: Doubles, capsules: Doubles, owners: Indices, longest: Sequence[float]
 ) -> list[float]:
-    """Return how far any point of a robot may move per unit of each link's joint.
+    """Return the largest way of any point of a robot per unit of each link's joint.
 
     Args:
         tree: The robot, see `place_tree`.

@@ -471,7 +471,7 @@ class RobotHW(InterfaceManager):
         return ()
 
     def clamps(self) -> Sequence[ClampReport]:
-        """Return which commands limits have changed, and how often. Any thread."""
+        """Return the commands that limits have changed, and how often. Any thread."""
         return ()
 
     def is_interrupted(self) -> bool:

@@ -208,7 +208,7 @@ def _bring_up_to_date(element: ET.Element) -> bool:
 def _find_problem(
     element: ET.Element, driven: set[str], used: set[tuple[str, str]]
 ) -> str | None:
-    """Return why a transmission is unusable; None adds its parts to `used`."""
+    """Return the problem of a transmission; without one add its parts to `used`."""
     robot = ET.Element("robot")
     robot.append(element)
     parser = TransmissionParser()

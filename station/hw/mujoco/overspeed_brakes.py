@@ -91,7 +91,7 @@ class OverspeedBrakes:
         self.asked = np.zeros(model.nv)
 
     def clamps(self, names: Iterable[str]) -> list[ClampReport]:
-        """Return which of the given joints were braked. Any thread.
+        """Return those of the given joints that were braked. Any thread.
 
         Args:
             names: Joints with one degree of freedom.

@@ -1,4 +1,4 @@
-"""Which controllers may share an arm, and the mode they need. Pure functions.
+"""Decide which controllers may share an arm, and in which mode. Pure functions.
 
 Source: franka_ros@c11f000 franka_hw/include/franka_hw/control_mode.h,
 franka_hw/src/control_mode.cpp, resource_helpers.cpp, franka_hw.cpp

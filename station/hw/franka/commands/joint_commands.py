@@ -182,7 +182,7 @@ class JointCommands:
         return skipped
 
     def clamps(self) -> list[ClampReport]:
-        """Return which commands limits have changed. Any thread."""
+        """Return the commands that limits have changed. Any thread."""
         return report_clamps({
             (handle.name, interface.type_name): handle
             for interface, limits in (
