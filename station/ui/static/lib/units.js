@@ -51,7 +51,7 @@ export function angleField(name, radians = null, label = name, own = undefined) 
   let exact = radians;
   const put = (value) => {
     exact = value;
-    input.value = value === null ? "" : Number((value * units.scale).toPrecision(4));
+    input.value = value === null ? "" : Number(number(value * units.scale, units.scale > 1 ? 2 : 4));
   };
   const draw = () => {
     show(unit, units.sign);
