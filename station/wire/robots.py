@@ -471,27 +471,28 @@ class FrankaState(ResponseModel):
         q: Measured positions [rad], shape (7,).
         dq: Measured velocities [rad/s], shape (7,).
         tau_J: Measured link-side torques, gravity included [Nm], shape (7,).
-        dtau_J: Their rate [Nm/s], shape (7,).
+        dtau_J: Rates of these torques [Nm/s], shape (7,).
         q_d: Desired positions [rad], shape (7,).
         dq_d: Desired velocities [rad/s], shape (7,).
         ddq_d: Desired accelerations [rad/s^2], shape (7,).
         tau_J_d: Desired link-side torques without gravity; 0 when idle [Nm], (7,).
         theta: Motor-side positions [rad], shape (7,).
         dtheta: Motor-side velocities [rad/s], shape (7,).
-        tau_ext_hat_filtered: Torques on the environment: `tau_J` less what the model
-            needs, low-passed [Nm], shape (7,).
+        tau_ext_hat_filtered: Torques on the environment: `tau_J` minus the torques that
+            the model explains, low-passed [Nm], shape (7,).
         O_F_ext_hat_K: Wrench of the robot on its environment at K, axes of O [N, Nm],
             shape (6,); 0 near singular poses.
-        K_F_ext_hat_K: The same in the axes of K.
+        K_F_ext_hat_K: The same wrench in the axes of K.
         joint_contact: 1 where `tau_ext_hat_filtered` is above the lower threshold,
             else 0, shape (7,).
-        joint_collision: The same for the upper threshold; stays until recovery.
+        joint_collision: As `joint_contact`, for the upper threshold; stays until
+            recovery.
         cartesian_contact: As `joint_contact`, for `K_F_ext_hat_K`, shape (6,).
         cartesian_collision: As `joint_collision`, for `K_F_ext_hat_K`, shape (6,).
         current_errors: Names of the present errors.
         last_motion_errors: Names of the errors that ended the last motion.
         robot_mode: Mode of the arm.
-        time: Since the arm was started [s]; strictly increasing.
+        time: Time since the arm was started [s]; strictly increasing.
         control_command_success_rate: Share of the last 100 commands that arrived, 0 to
             1; 0 while no motion runs.
         O_T_EE: Measured pose of the end effector in O.
@@ -499,25 +500,25 @@ class FrankaState(ResponseModel):
         O_T_EE_c: Commanded pose, after filter and limits.
         F_T_EE: End effector in the flange frame, `F_T_NE` `NE_T_EE`.
         F_T_NE: Nominal end effector in the flange frame.
-        NE_T_EE: End effector in the nominal one; `set_EE_frame`.
+        NE_T_EE: End effector in the nominal end effector frame; `set_EE_frame`.
         EE_T_K: Stiffness frame in the end effector; `set_K_frame`.
         m_ee: Mass of the end effector [kg].
         F_x_Cee: Its centre of mass in F [m], shape (3,).
-        I_ee: Its inertia about that, axes of F [kg m^2].
+        I_ee: Its inertia about this centre, axes of F [kg m^2].
         m_load: Mass of the load [kg]; `set_load`.
         F_x_Cload: Its centre of mass in F [m], shape (3,).
-        I_load: Its inertia about that, axes of F [kg m^2].
-        m_total: Mass of both [kg].
-        F_x_Ctotal: Their common centre of mass in F [m], shape (3,).
-        I_total: Their inertia about that, axes of F [kg m^2].
+        I_load: Its inertia about this centre, axes of F [kg m^2].
+        m_total: Mass of end effector and load [kg].
+        F_x_Ctotal: Centre of mass of end effector and load in F [m], shape (3,).
+        I_total: Their inertia about this centre, axes of F [kg m^2].
         elbow: Position of joint 3 [rad] and sign of the flip of joint 4.
         elbow_d: Desired elbow.
         elbow_c: Commanded elbow.
         delbow_c: Rate of `elbow_c`; the second number is 0 [rad/s].
-        ddelbow_c: Its rate; the second number is 0 [rad/s^2].
+        ddelbow_c: Rate of `delbow_c`; the second number is 0 [rad/s^2].
         O_dP_EE_d: Desired twist of the end effector [m/s, rad/s], shape (6,).
         O_dP_EE_c: Commanded twist, shape (6,).
-        O_ddP_EE_c: Its rate [m/s^2, rad/s^2], shape (6,).
+        O_ddP_EE_c: Rate of `O_dP_EE_c` [m/s^2, rad/s^2], shape (6,).
         O_ddP_O: Acceleration of gravity in O [m/s^2], shape (3,).
         least_clearance: Distance of the link and the object with the least gap, i.e.
             distance less margin [m]; null if the arm keeps clear of no object.
