@@ -40,6 +40,14 @@ def build(tmp_path):
     return build
 
 
+def join_recovery():
+    """Wait until no recovery runs in the background."""
+    for thread in threading.enumerate():
+        if thread.name == "recovery":
+            thread.join(PATIENCE)
+            assert not thread.is_alive()
+
+
 def test_a_station_records_as_configured(build, tmp_path):
     _, _, recorder = build(max_count=7, incidents=3)
 
@@ -66,6 +74,7 @@ def test_missing_packages_are_told(build, monkeypatch):
 
 def test_the_recordings_of_a_killed_station_are_recovered_and_told(build, tmp_path):
     _, station, recorder = build()
+    join_recovery()  # that of the start, which finds nothing
     recorder.start("cut")
     station.loop.step(10)
     recorder.drain()
@@ -93,10 +102,9 @@ def test_a_long_recovery_does_not_hold_the_start_up(build, monkeypatch):
 
     assert build()[2] is not None
 
-    (thread,) = [t for t in threading.enumerate() if t.name == "recovery"]
-    assert thread.is_alive()
+    assert any(t.name == "recovery" for t in threading.enumerate())
     go_on.set()
-    thread.join(PATIENCE)
+    join_recovery()
 
 
 @pytest.mark.parametrize("tool", ["foxglove", "rosbridge"])
