@@ -1,7 +1,7 @@
 """Turn Ctrl-C and SIGTERM into an orderly end; the second one into an immediate one."""
 
 import os
-import queue
+import select
 import signal
 from collections.abc import Callable
 from types import FrameType
@@ -23,13 +23,15 @@ class ShutdownSignals:
 
     def __init__(self, at_once: Callable[[], None]) -> None:
         self._at_once = at_once
-        # Its put() may be called from a signal handler, unlike that of Event or Queue.
-        self._received: queue.SimpleQueue[int] = queue.SimpleQueue()
         self._waiting = False
         self._count = 0
         self._previous: dict[signal.Signals, object] = {}
 
     def __enter__(self) -> Self:
+        # A handler may write to a pipe, but not take the lock of an Event or Queue.
+        # A SimpleQueue has none, but its `get` never returns after a signal whose
+        # handling outlasts the timeout, e.g. when the process was suspended.
+        self._received, self._sent = os.pipe()
         for number in _SIGNALS:
             self._previous[number] = signal.signal(number, self._handle)
         return self
@@ -37,15 +39,13 @@ class ShutdownSignals:
     def __exit__(self, *_: object) -> None:
         for number, handler in self._previous.items():
             signal.signal(number, handler)  # type: ignore[arg-type]  # as it was returned
+        os.close(self._received)
+        os.close(self._sent)
 
     def wait(self, timeout: float) -> bool:
         """Wait for a signal at most `timeout` [s]; return whether there was one."""
         self._waiting = True
-        try:
-            self._received.get(timeout=timeout)
-        except queue.Empty:
-            return False
-        return True
+        return bool(select.select([self._received], [], [], timeout)[0])
 
     def _handle(self, number: int, _: FrameType | None) -> None:
         self._count += 1
@@ -54,4 +54,4 @@ class ShutdownSignals:
             os._exit(128 + number)
         if not self._waiting:
             raise KeyboardInterrupt
-        self._received.put(number)
+        os.write(self._sent, b".")

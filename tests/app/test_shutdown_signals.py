@@ -31,6 +31,23 @@ def test_signal_ends_the_wait(number):
         assert signals.wait(PATIENCE)
 
 
+def test_a_wait_ends_in_time_whatever_other_signals_come():
+    program = (
+        "import signal, time\n"
+        "from station.app.shutdown_signals import ShutdownSignals\n"
+        "signal.signal(signal.SIGALRM, lambda *_: time.sleep(0.1))\n"
+        "with ShutdownSignals(print) as signals:\n"
+        "    signal.setitimer(signal.ITIMER_REAL, 0.01)\n"
+        "    print(signals.wait(0.05))\n"
+    )
+
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, timeout=PATIENCE
+    )
+
+    assert ended.stdout == b"False\n"
+
+
 def test_handlers_are_put_back():
     before = [signal.getsignal(number) for number in SIGNALS]
 
