@@ -259,7 +259,8 @@ class Recorder:
             RecordingNotFoundError: There is no such recording.
             RecordingRefusedError: The recording still runs, or the note lies outside of
                 its time.
-            RecordingFileError: The file is no whole recording, or cannot be written.
+            RecordingFileError: The file is not a complete recording, or cannot be
+                written.
         """
         # Imported late: most runs of a station add no note.
         from station.records.recording_events import add_note

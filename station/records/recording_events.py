@@ -67,7 +67,7 @@ def read_events(path: Path) -> list[RecordedEvent]:
         path: The file.
 
     Raises:
-        RecordingFileError: The file is no whole recording.
+        RecordingFileError: The file is not a complete recording.
     """
     origin = _span(path)[0]
     found = [_event(values, origin) for _, values in read_messages(path, [EVENTS])]
@@ -89,7 +89,7 @@ def add_note(
     Raises:
         RecordingRefusedError: The range lies outside of the recording, or another
             process writes or repairs the file.
-        RecordingFileError: The file is no whole recording, or cannot be written.
+        RecordingFileError: The file is not a complete recording, or cannot be written.
         OSError: Never: it becomes a `RecordingFileError`.
     """
     origin, first, last = _span(path)

@@ -84,7 +84,7 @@ def reading(path: Path) -> Iterator[BinaryIO]:
 
     Raises:
         RecordingFileError: The file does not exist, or may not be read.
-        RecordingDamagedError: The file is no whole recording.
+        RecordingDamagedError: The file is not a complete recording.
     """
     with _opened(path) as file:
         try:
@@ -107,7 +107,7 @@ def read_messages(
         is_reverse: Whether to begin with the newest message.
 
     Raises:
-        RecordingFileError: The file is no whole recording.
+        RecordingFileError: The file is not a complete recording.
     """
     chosen = None if topics is None else list(topics)
     with reading(path) as file:
@@ -134,7 +134,7 @@ def read_trajectory(path: Path) -> Trajectory:
     """Return the joints of a recording in every cycle.
 
     Raises:
-        RecordingFileError: The file is no whole recording.
+        RecordingFileError: The file is not a complete recording.
     """
     names: tuple[str, ...] = ()
     cycles: list[tuple[int, float, float]] = []

@@ -84,7 +84,7 @@ class RecordingTable:
 
     Raises:
         RecordingFileError: The file cannot be read.
-        RecordingDamagedError: The file is no whole recording.
+        RecordingDamagedError: The file is not a complete recording.
     """
 
     def __init__(

@@ -9,7 +9,7 @@ class TestMyRobot(RobotConformance):
 ```
 
 It is for tests only: nothing else of the station imports it. The suites need pytest,
-which is imported when one of them is asked for; they need no plug-in.
+which is imported with the first suite; they need no plug-in.
 """
 
 from importlib import import_module
@@ -58,6 +58,6 @@ def __getattr__(name: str) -> object:
             f"{name} is a suite of tests for pytest, which is not installed. "
             "Install it with `pip install pytest`."
         )
-    # So that a failing `assert` of the suite shows its values.
+    # With rewritten assertions a failing `assert` of the suite shows its values.
     import_module("pytest").register_assert_rewrite(module)
     return getattr(import_module(module), name)

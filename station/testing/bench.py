@@ -1,4 +1,4 @@
-"""A robot, its controller manager and a loop by hand, for tests without threads."""
+"""A robot and its controller manager, stepped by hand, for tests without threads."""
 
 from collections.abc import Mapping, Sequence
 
@@ -27,7 +27,7 @@ from station.hw.mock import MockRobotHW
 
 
 class Bench:
-    """One robot with its manager; the test runs the cycles.
+    """A robot with its manager, whose cycles the test runs.
 
     Args:
         robot: The robot, not yet initialised; None for a `MockRobotHW`.
@@ -35,7 +35,7 @@ class Bench:
         root_parameters: Parameters of the root namespace, e.g. `robot_description`.
         loaders: Source of controllers; None for the table of the station,
             installed packages and `module:Class`.
-        clock: Wall time; None for a clock that stands still.
+        clock: Clock of wall time; None for a clock that stands still.
         period: Period of a cycle [s], > 0.
 
     Attributes:
@@ -77,7 +77,7 @@ class Bench:
         self.manager.period = period
 
     def make_station(self) -> Station:
-        """Return a station over this robot; from now on its loop runs the cycles."""
+        """Return a station with this robot; from now on its loop runs the cycles."""
         loop = ControlLoop(
             self.robot, self.manager, clock=self.clock, period=self.period
         )
@@ -153,7 +153,7 @@ class Bench:
         )
 
     def status(self, name: str) -> ControllerStatus:
-        """Return the status of a controller, for people.
+        """Return the status of a controller.
 
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.
@@ -162,7 +162,7 @@ class Bench:
         return next(s for s in self.manager.list_controllers() if s.name == name)
 
     def state(self, name: str) -> str:
-        """Return the state of a controller in ros_control's word."""
+        """Return the state of a controller as ros_control names it, e.g. `running`."""
         return self.manager.get_controller(name).state.value
 
     def fault(self, name: str) -> str | None:

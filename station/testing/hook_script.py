@@ -1,4 +1,4 @@
-"""Order the answers of any robot's switching hooks, around their real effects."""
+"""Script the answers of a robot's switching hooks, and keep their real effects."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -8,29 +8,29 @@ from station.core.errors import SwitchRefusedError
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW, SwitchState
 
 Prepare = Literal["yes", "no", "raise"]
-"""What `prepare_switch` does: call the robot's own, refuse, or raise an error."""
+"""Effect of `prepare_switch`: call the robot's own hook, refuse, or raise an error."""
 Answer = Literal["DONE", "ONGOING", "ERROR", "raise"]
-"""What `switch_result` and `switch_result_for` say: DONE leaves it to the robot."""
+"""Answer of `switch_result` and `switch_result_for`; DONE asks the robot's own hook."""
 
 
 class HookError(RuntimeError):
-    """The error of a hook that is scripted to raise."""
+    """The error that a hook raises because its script says so."""
 
 
 @dataclass
 class HookScript:
-    """The scripted answers of one robot's hooks; may be changed between two cycles.
+    """The scripted answers of one robot's hooks; a test may change it between cycles.
 
-    A hook that has to fail does so before the robot's own hook is called, so that
-    nothing has changed in the robot.
+    A hook that must fail does not call the robot's own hook, so that the robot does not
+    change.
 
     Attributes:
         prepare: Effect of `prepare_switch`.
-        works: Whether `do_switch` works, call by call; the last entry is repeated.
+        works: Whether `do_switch` succeeds, call by call; the last entry is repeated.
         answers: Results, cycle by cycle; the last entry is repeated.
         switches: How often `do_switch` was called.
-        asked: How often a result was asked for. The manager asks twice a cycle unless
-            the answer is DONE, so that each entry of `answers` stands for two.
+        asked: Number of questions for a result. The manager asks twice a cycle unless
+            the answer is DONE, so each entry of `answers` covers two questions.
     """
 
     prepare: Prepare = "yes"
@@ -45,14 +45,14 @@ class HookScript:
         works: Sequence[bool] = (True,),
         answers: Sequence[Answer] = ("DONE",),
     ) -> None:
-        """Begin anew with other answers."""
+        """Reset the counts, and follow other answers."""
         self.prepare, self.works, self.answers = prepare, works, answers
         self.switches = self.asked = 0
 
     def install(self, robot: RobotHW) -> None:
-        """Let the hooks of `robot` follow this script; before a manager uses it.
+        """Let the hooks of `robot` follow this script, before a manager uses it.
 
-        The hooks of this one object are replaced, not those of its class.
+        It replaces the hooks of this object, not those of its class.
         """
         prepare, do = robot.prepare_switch, robot.do_switch
         result, result_for = robot.switch_result, robot.switch_result_for

@@ -1,4 +1,4 @@
-"""Controllers that a test scripts, on the shipped mock robot."""
+"""Controllers whose callbacks a test scripts, on a mock robot."""
 
 import threading
 from collections.abc import Callable
@@ -23,11 +23,11 @@ PERIOD = 0.01
 
 
 Actions = dict[str, Callable[[], object]]
-"""What to do in a callback, by the callback's name."""
+"""Actions to run in callbacks, by the callback's name."""
 
 
 class Scripted(Controller[EffortJointInterface]):
-    """Notes every callback and runs the test's `actions`.
+    """Notes every callback and runs the `actions` of the test.
 
     Parameters: `joints`, the names of the joints that it claims; and `init_raises`,
     the text of the error that `init` raises.
@@ -35,7 +35,7 @@ class Scripted(Controller[EffortJointInterface]):
     Attributes:
         joints: The handles of the joints.
         calls: Names of the callbacks so far, oldest first.
-        actions: Actions in a callback, by the callback's name.
+        actions: Actions to run in callbacks, by the callback's name.
     """
 
     @override
@@ -88,13 +88,13 @@ class Scripted(Controller[EffortJointInterface]):
 
 
 class ScriptedPosition(Scripted):
-    """The same over position commands."""
+    """A scripted controller with position commands."""
 
     hardware_interface = PositionJointInterface
 
 
 class ScriptedVelocity(Scripted):
-    """The same over velocity commands."""
+    """A scripted controller with velocity commands."""
 
     hardware_interface = VelocityJointInterface
 
@@ -104,14 +104,14 @@ TYPES: dict[str, Target] = {
     "test/Position": ScriptedPosition,
     "test/Velocity": ScriptedVelocity,
 }
-"""Their types, as `ScriptedBench` knows them."""
+"""The types of the scripted controllers on a `ScriptedBench`."""
 
 
 class ScriptedBench(Bench):
-    """A mock robot with joints j1, j2 and j3, scripted controllers, a loop by hand.
+    """A bench with a mock robot (joints j1, j2, j3) and scripted controllers.
 
     Args:
-        clock: Wall time; None for a clock that stands still.
+        clock: Clock of wall time; None for a clock that stands still.
     """
 
     robot: MockRobotHW

@@ -1,4 +1,4 @@
-"""An independent observer of a robot and its manager: looks before every `write`.
+"""An independent observer that checks a robot and its manager before every `write`.
 
 It uses the public methods of robot and manager, and none of the code that
 keeps the commands with their owners.
@@ -23,9 +23,9 @@ from station.core.hardware.robot_hw import (
 )
 
 MOST_PROBLEMS = 50
-"""How many problems are kept; the first ones say the most."""
+"""Most problems that are kept; the first ones tell the most."""
 UNRELEASED = "may still be in its mode"
-"""What the fault of a controller says whose stop the robot could not be told."""
+"""Part of a controller's fault if its stop could not be passed to the robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class CommandPlace:
         claim: Wire name of the interface, and the resource.
         storage: The list that holds the command.
         index: Index in the list.
-        rest: Returns the command at which the resource rests now.
+        rest: Function that returns the present rest command of the resource.
     """
 
     claim: tuple[str, str]
@@ -46,15 +46,15 @@ class CommandPlace:
 
     @property
     def slot(self) -> tuple[int, int]:
-        """Identity of the storage and index: several interfaces may share a command."""
+        """Identity of storage and index: several interfaces may share a command."""
         return id(self.storage), self.index
 
 
 class ChainCheck:
-    """The check of chains: no controller runs without the one that it commands.
+    """The check that no controller runs without the one whose references it commands.
 
-    A reference has one owner, and its exporter is in chained mode when the owner
-    runs, and otherwise not.
+    A reference has one owner at most. Its exporter is in chained mode if and only if
+    the owner runs.
 
     Args:
         manager: The manager.
@@ -64,7 +64,7 @@ class ChainCheck:
         self._manager = manager
 
     def __call__(self) -> str | None:
-        """Return the first violation; None if there is none. Control thread."""
+        """Return the first violation, or None; called by the control thread."""
         loaded = self._manager.lifecycle.loaded
         running = [one for one in loaded if one.controller.is_running()]
         owners: dict[str, str] = {}
@@ -88,26 +88,27 @@ class ChainCheck:
 
 
 class SwitchObserver:
-    """Looks at the end of every cycle, before the commands reach the hardware.
+    """Checks the end of every cycle, before the commands reach the hardware.
 
-    It checks that every command is a finite float; that every resource has at most one
-    owner, as far as the robot demands; that commands without an owner rest where they
-    were when they lost the owner; that joints without an owner do not move; and
-    that the robot was informed of the running controllers.
+    It checks that every command is a finite float; that a resource has one owner at
+    most, unless the robot allows more; that a command without an owner stays at the
+    rest it got when it lost its owner; that joints without an owner do not move; and
+    that the robot knows the running controllers.
 
     Args:
-        robot: The robot, initialised. Its `write` and `do_switch` are watched from now
-            on, and those of the robots it combines. Make its loop afterwards.
+        robot: The robot, initialised. From now on the observer watches its `write` and
+            `do_switch`, and those of the robots that it combines. Create the loop
+            afterwards.
         manager: Its manager.
         may_share: Whether the robot lets several controllers own the same resource of
             the same interface.
         drift: How far a joint without an owner may move [rad or m].
-        settling: After how many cycles without an owner a joint must be at rest.
+        settling: Number of cycles without an owner after which a joint must be at rest.
 
     Attributes:
         problems: Violated contracts, one sentence each, at most `MOST_PROBLEMS`.
-        cycle: Number of the last cycle that was looked at, as `manager.cycle`.
-        checks: More to look at in every cycle; each returns a problem or None.
+        cycle: Number of the last cycle that was checked, as `manager.cycle`.
+        checks: Further checks for every cycle; each returns a problem or None.
     """
 
     def __init__(
@@ -143,12 +144,12 @@ class SwitchObserver:
         robot.write = watched_write  # type: ignore[method-assign]
 
     def forget_rest(self) -> None:
-        """Let resources without an owner rest elsewhere, after a reset of the world."""
+        """Allow new rest commands without an owner, after a reset of the world."""
         self._resting.clear()
         self._unowned_since.clear()
 
     def look(self) -> None:
-        """Check the present state of the robot; called before every `write`."""
+        """Check the present state of the robot; it is called before every `write`."""
         cycle, running = self._manager.cycle, self._manager.running()
         self.find_wrong_commands()
         self._look_at_owners(running)
@@ -161,7 +162,7 @@ class SwitchObserver:
             self._note(check())
         names = frozenset(info.name for info in running)
         if names != self._running[-1]:
-            # In this order: `ran_at` reads `_cycles` first.
+            # Append to `_running` first, because `ran_at` reads `_cycles` first.
             self._running.append(names)
             self._cycles.append(cycle)
         self.cycle = cycle
@@ -175,10 +176,10 @@ class SwitchObserver:
         return self._running[max(bisect_right(self._cycles, cycle) - 1, 0)]
 
     def untruth(self, result: SwitchResult) -> str | None:
-        """Return a false statement in the answer to a switch; None if all is true.
+        """Return a false statement in the answer to a switch; None if it is true.
 
         Args:
-            result: The answer; its cycle must have been looked at.
+            result: The answer; its cycle must have been checked.
         """
         running = self.ran_at(result.cycle)
         start = {info.name for info in result.plan.start}
@@ -232,8 +233,8 @@ class SwitchObserver:
             if slot in owned:
                 self._resting.pop(slot, None)
                 continue
-            # A resource that had an owner through any interface has moved meanwhile, so
-            # its commands may rest anew; one without keeps its rest.
+            # A resource that had an owner through any interface may have moved, so its
+            # commands may get a new rest. Without an owner they keep their rest.
             before = self._resting.get(slot)
             had_owner = place.claim[1] in self._owned_names
             if before is None or (had_owner and value != before):
@@ -290,7 +291,7 @@ class SwitchObserver:
 
 
 class _Mirror:
-    """One robot's knowledge of the running controllers.
+    """The running controllers as one robot knows them from `do_switch`.
 
     Args:
         robot: The robot; it may be part of a combined one.
@@ -318,7 +319,7 @@ class _Mirror:
         robot.do_switch = watched_do_switch  # type: ignore[method-assign]
 
     def difference(self, running: Sequence[ControllerInfo]) -> str | None:
-        """Return a running controller the robot knows wrongly; None if there is none.
+        """Return controllers of which the robot has a wrong state, as text, or None.
 
         Args:
             running: The controllers that run.
@@ -327,7 +328,8 @@ class _Mirror:
         if not wrong:
             return None
         status = {one.name: one for one in self._manager.list_controllers()}
-        # Who claims nothing of it does not concern it; an unreleased one says so.
+        # Ignore controllers that claim nothing of this robot, and those whose fault
+        # says that they were not released.
         wrong = {
             name
             for name in wrong

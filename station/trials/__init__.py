@@ -1,1 +1,1 @@
-"""Trials and their results; needs no simulator."""
+"""Trials and their results, without the simulator that runs them."""

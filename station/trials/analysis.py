@@ -1,4 +1,4 @@
-"""The analysis of an experiment: the best trial, a summary, a comparison."""
+"""Analyse experiments: the best trial, a summary, a comparison of two."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,15 +12,15 @@ from station.trials.parameters import gains_under, sort_out
 from station.trials.results import Results, Row
 from station.trials.trial import Trial
 
-# One less than a round number: the observed order counts as one more permutation.
+# One less than 10,000, because the observed order counts as one more permutation.
 _PERMUTATIONS = 9999
-# Literal, so that a comparison gives the same probability each time.
+# A fixed seed gives the same probability for the same comparison.
 _SEED = 1
 
 
 @dataclass(frozen=True, slots=True)
 class Distribution:
-    """A metric over the trials that are done.
+    """The distribution of a metric over the trials that are done.
 
     Attributes:
         metric: Its name.
@@ -29,7 +29,7 @@ class Distribution:
         p95: 95th percentile.
         worst: The worst value.
         worst_hash: The trial of the worst value.
-        count: How many trials have the metric.
+        count: Number of trials that have the metric.
     """
 
     metric: str
@@ -47,10 +47,10 @@ class Comparison:
 
     Attributes:
         metric: Its name.
-        means: Its mean in each.
-        counts: How many trials have it in each.
-        p_value: Probability that means differ so much by chance when both experiments
-            are alike: a permutation test of 9999 permutations, two-sided.
+        means: Its mean in each experiment.
+        counts: Number of trials with the metric in each experiment.
+        p_value: Probability of a difference of means at least this large if both
+            experiments are alike: a two-sided permutation test with 9999 permutations.
     """
 
     metric: str
@@ -71,7 +71,7 @@ def goal_of(results: Results) -> Goal | None:
 
 
 def goal_as_plan(goal: Goal) -> dict[str, object]:
-    """Return a goal as plain data, for the plan of an experiment."""
+    """Return the goal of a search as plain data, for the plan of the experiment."""
     bounds = [[b.metric, b.limit, b.is_relative] for b in goal.bounds]
     return {"weights": dict(goal.weights), "bounds": bounds}
 
@@ -81,11 +81,12 @@ def ranked(results: Results, metric: str | None = None) -> list[Row]:
 
     Args:
         results: The experiment.
-        metric: Metric that ranks; None: the goal of a search, or else `rms_error`.
+        metric: Metric that ranks the trials; None takes the goal of a search, or else
+            `rms_error`.
 
     Raises:
-        UnknownParameterError: There is no such metric.
-        ExperimentError: No trial is done, or none has the metric.
+        UnknownParameterError: The metric is unknown.
+        ExperimentError: No trial is done, or no trial has the metric.
     """
     rows = results.rows()
     goal = goal_of(results) if metric is None else None
@@ -130,10 +131,10 @@ def first_of(results: Results) -> Row | None:
 
 
 def best_of(results: Results, metric: str | None = None) -> Row | None:
-    """Return the best trial, as `ranked` has it; None while there is none.
+    """Return the first trial of `ranked`; None while there is none.
 
     Raises:
-        UnknownParameterError: There is no such metric.
+        UnknownParameterError: The metric is unknown.
     """
     if metric is not None:
         check_metric(metric)
@@ -152,11 +153,11 @@ def cost_of(results: Results, row: Row) -> float | None:
 
 
 def gains_of(results: Results, trial: Trial) -> dict[str, dict[str, float]]:
-    """Return the gains that a trial says something of, by controller and name.
+    """Return the gains that a trial changes, by controller and name.
 
     Raises:
-        ExperimentError: The trial changes no gains, or scales some whose values before
-            the experiment does not know.
+        ExperimentError: The trial changes no gains, or scales gains whose original
+            values the experiment does not know.
         UnknownParameterError: The trial scales gains that do not exist.
     """
     wanted = sort_out(trial.parameters)
@@ -208,11 +209,11 @@ def compare(
     Args:
         one: An experiment.
         other: Another one.
-        metrics: Names of metrics; all that both have when empty.
+        metrics: Names of metrics; empty for all metrics that both have.
 
     Raises:
-        UnknownParameterError: There is no such metric.
-        ExperimentError: Nothing can be compared.
+        UnknownParameterError: The metric is unknown.
+        ExperimentError: The experiments have no metric in common.
     """
     found = []
     for metric in metrics or UNITS:
@@ -255,7 +256,7 @@ def _permutation_test(one: Column, other: Column) -> float:
     for _ in range(_PERMUTATIONS):
         random.shuffle(together)
         difference = together[: len(one)].mean() - together[len(one) :].mean()
-        # Rounding must not make equal differences different.
+        # The tolerance keeps rounding from making equal differences unequal.
         as_far += abs(difference) >= seen - 1e-12 * abs(seen)
-    # The observed difference is itself one of the permutations: no p is 0.
+    # The observed difference is one of the permutations, so p is never 0.
     return (1.0 + as_far) / (1.0 + _PERMUTATIONS)

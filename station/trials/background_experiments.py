@@ -1,4 +1,4 @@
-"""Runs experiments for a station in a process of their own, one at a time."""
+"""Run experiments for a station, one at a time in a separate process."""
 
 import os
 import sys
@@ -23,7 +23,7 @@ from station.wire.experiments import ExperimentRequest
 MOST_TRIALS = 10_000
 """Most trials of an experiment that a station runs beside its robot."""
 MOST_EXPERIMENTS = 500
-"""So many experiments are kept before a station begins no other one."""
+"""Most experiments on disk; a station with more starts no other one."""
 RUNNING = "running"
 _COMMAND = (sys.executable, "-m", "station.experiments")
 
@@ -36,10 +36,10 @@ class RunState:
         name: Its name.
         state: `running`, `done`, `cancelled` or `failed`.
         reason: Reason of its end; empty while it runs, and when it is done.
-        ended: How many trials have ended.
+        ended: Number of trials that have ended.
         total: Largest number of trials that it can have.
-        failed: How many trials of this run have failed.
-        resumed: How many trials had ended before this run.
+        failed: Number of trials of this run that have failed.
+        resumed: Number of trials that had ended before this run.
         seconds: Time since it began [s].
     """
 
@@ -56,16 +56,18 @@ class RunState:
 class BackgroundExperiments:
     """Starts, follows and cancels the experiments of a station. Any thread.
 
-    An experiment runs in a process of low priority, which ends with the station, even
-    if the station is killed; its workers end, too. Trials that have ended are kept.
+    An experiment runs in a process of low priority. The process and its workers end
+    with the station, even if the station is killed. Trials that have ended are kept.
 
     Args:
         setup: The configuration of the station.
-        workers: How many processes run trials unless a request says otherwise, >= 1.
+        workers: Number of processes that run trials, unless a request names another
+            number, >= 1.
         command: The program that runs an experiment.
 
     Attributes:
-        tell: Called at every change of the state, in a thread of its own.
+        tell: Called at every change of the state, in the thread that follows the
+            experiment.
     """
 
     def __init__(
@@ -95,16 +97,16 @@ class BackgroundExperiments:
         gains: Mapping[str, Mapping[str, float]],
         loaded: Mapping[str, Mapping[str, object]] | None = None,
     ) -> str:
-        """Start an experiment; return its name once all that was asked is checked.
+        """Start an experiment; return its name after the request is checked.
 
         Args:
             request: Request of the caller.
             gains: The gains in force, by controller and name.
-            loaded: Parameters of the controllers that are loaded now, by name; those
-                of the configuration when None.
+            loaded: Parameters of the controllers that are loaded now, by name; None
+                takes those of the configuration.
 
         Raises:
-            ExperimentRunningError: Another one runs.
+            ExperimentRunningError: Another experiment runs.
             TooManyExperimentsError: The request has too many trials, or too many
                 experiments are kept.
             StationError: A name or value is not allowed; nothing was started.
@@ -115,8 +117,7 @@ class BackgroundExperiments:
                 f"{MOST_TRIALS} at most.",
                 remedy="Run it with the command line, which may use a cluster.",
             )
-        # A request must not wait for another one, whose process may take a minute to
-        # begin.
+        # A request must not wait for the start of another one, which may take a minute.
         if not self._starting.acquire(blocking=False):
             raise ExperimentRunningError(
                 "Another experiment is being started; a station runs one at a time.",
@@ -156,7 +157,7 @@ class BackgroundExperiments:
         return name
 
     def cancel(self, name: str) -> None:
-        """End the experiment that runs; trials that run may end.
+        """End the running experiment; it may complete its running trials.
 
         Raises:
             ExperimentNotFoundError: There is no such experiment.
@@ -168,8 +169,8 @@ class BackgroundExperiments:
             raise ExperimentRunningError(
                 f"The experiment '{name}' does not run.", details={"experiment": name}
             )
-        # Before the signal: the thread that follows reads it as soon as the process
-        # ends.
+        # Set the flag before the signal, because the following thread reads it as soon
+        # as the process ends.
         self._is_cancelled = True
         process.interrupt()
 
@@ -198,11 +199,11 @@ class BackgroundExperiments:
         return state is not None and (state.name, state.state) == (name, RUNNING)
 
     def _check_free(self, name: str) -> None:
-        """Refuse to start when one runs, or when too many are kept.
+        """Refuse to start while another experiment runs, or when too many are kept.
 
         Raises:
-            ExperimentRunningError: Another one runs.
-            TooManyExperimentsError: Too many are kept.
+            ExperimentRunningError: Another experiment runs.
+            TooManyExperimentsError: Too many experiments are kept.
         """
         state = self._state
         if state is not None and state.state == RUNNING:
@@ -244,6 +245,6 @@ class BackgroundExperiments:
 
 
 def spare_processors() -> int:
-    """Return the processors a station may lend: all but one, at least one."""
-    # One is left to the control thread.
+    """Return the number of processors for trials: all but one, and at least one."""
+    # One processor is left to the control thread.
     return max(1, len(os.sched_getaffinity(0)) - 1)

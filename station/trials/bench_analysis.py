@@ -1,4 +1,4 @@
-"""The figures of one joint's test: a step, a sine, a Bode plot or a relay."""
+"""Compute the figures of one joint's test: a step, a sine, a Bode plot or a relay."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -56,7 +56,7 @@ FIGURE_UNITS: Mapping[str, str] = {
 """Unit of each figure that a test has besides the metrics of a trial."""
 _MOST_POINTS = 500
 _SETTLED = 0.25
-"""Share of a sine after which its answer counts as steady."""
+"""Share of a sine's duration after which its response counts as steady."""
 
 
 def gain_names(gains: Mapping[str, float], joint: str) -> dict[str, str]:
@@ -81,13 +81,13 @@ def joint_test(
     limits: Sequence[JointLimitsReport] = (),
     counts: Counts | None = None,
 ) -> BenchResponse:
-    """Return everything that a test says of its joint.
+    """Return the response of a joint with all figures of its test.
 
     Args:
         trace: The motion of this joint only, one cycle at least.
         excitation: Excitation of the joint.
-        script: The same as a script, with the duration and the settling band.
-        gains: Gains in force meanwhile; none where they are not known.
+        script: The excitation as a script, with duration and settling band.
+        gains: Gains in force during the test; empty if unknown.
         limits: Limits of the robot's joints.
         counts: Other counts of the test.
     """
@@ -145,7 +145,7 @@ def joint_test(
 def proposals_of(
     metrics: Mapping[str, float], gains: Mapping[str, float], joint: str
 ) -> list[GainProposal]:
-    """Return the gains of each rule; none without an ultimate gain, or a PID.
+    """Return the gains by each rule; empty without an ultimate gain or a PID.
 
     Args:
         metrics: Figures of a relay test.
@@ -175,11 +175,11 @@ def proposals_of(
 def excitation_of_part(
     part: PartRequest, trace: Trace
 ) -> tuple[Excitation, Script, Trace]:
-    """Return the excitation in a part of a recording, and its cycles.
+    """Return the excitation that a part of a recording shows, and its cycles.
 
     Args:
         part: How the part is to be read.
-        trace: The motion of the joint in it.
+        trace: The motion of the joint in the part.
     """
     desired, joint = trace.desired[:, 0], part.joint
     size = 0.5 * float(np.ptp(desired[np.isfinite(desired)]))
@@ -189,11 +189,11 @@ def excitation_of_part(
             jumps = np.nan_to_num(np.diff(desired))
             at = int(np.abs(jumps).argmax()) if len(jumps) else 0
             height = float(jumps[at]) if len(jumps) else 0.0
-            # The step ends where the set-point goes on, e.g. back.
+            # The step ends where the set-point moves again, e.g. back.
             moved = np.abs(desired[at + 1 :] - desired[min(at + 1, len(desired) - 1)])
             on = np.flatnonzero(moved > 0.01 * abs(height))
             trace = trace.until(at + 1 + int(on[0]) if len(on) else len(desired))
-            # One cycle later the set-point is the new one.
+            # The difference at `at` shows in the set-point of the next cycle.
             begin = float(trace.time[min(at + 1, len(trace.time) - 1)])
             excitation = Step(joint=joint, amplitude=height, at=begin)
         case "sine":
@@ -215,7 +215,7 @@ def _sine(
     signals: Mapping[str, Array], sine: Sine, period: float, duration: float
 ) -> dict[str, float]:
     length = duration - sine.at if sine.lasts is None else sine.lasts
-    # Between the fades, and after the answer to the beginning has died away.
+    # Use the part between the fades, after the transient response has died away.
     begin = sine.at + max(fade_of(length), _SETTLED * length)
     part = slice(round(begin / period), round((sine.at + length) / period))
     last = round((sine.at + length - fade_of(length)) / period)
@@ -229,7 +229,7 @@ def _frequencies(excitation: Chirp | Multisine, duration: float) -> Array:
     if isinstance(excitation, Multisine):
         return np.unique(np.array(excitation.frequencies))
     low, high = sorted((excitation.first, excitation.last))
-    # A frequency of which the record has not two periods is no more than a trend.
+    # A record with less than two periods of a frequency cannot tell it from a trend.
     low = max(low, 2.0 / duration)
     return frequencies_between(low, max(high, 1.001 * low))
 
@@ -246,9 +246,9 @@ def _relay(
     names = gain_names(gains, relay.joint)
     if names and not any(gains[names[key]] for key in "id" if key in names):
         return found
-    if not names and gains:  # a loop whose output is the set-point
+    if not names and gains:  # a controller without PID: its output is the set-point
         return found
-    # With i or d the phase crossover is the loop's, not the joint's.
+    # With i or d gains the phase crossover would be that of the loop, not of the joint.
     loop = relay_figures(desired - position, position, trace.period)
     if not loop:
         return {}

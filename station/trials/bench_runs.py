@@ -1,4 +1,4 @@
-"""The runs of the bench that the station keeps: one JSON file each."""
+"""Keep the runs of the bench on disk, one JSON file each."""
 
 import threading
 from pathlib import Path
@@ -37,7 +37,8 @@ class KeptRuns:
 
         Args:
             run: The run.
-            name: Its name; a run of that name is replaced. None: kind and a number.
+            name: Its name; it replaces a run of the same name. None makes a name of the
+                kind and a number.
 
         Raises:
             ExperimentError: The file cannot be written.
@@ -54,7 +55,8 @@ class KeptRuns:
             part = path.with_suffix(".part")
             try:
                 make_private_folder(path.parent)
-                # Under another name first: a reader finds the old file or the new one.
+                # Write under another name first, so that a reader finds the old file or
+                # the new one.
                 part.write_text(kept.model_dump_json(), "utf-8")
                 part.replace(path)
             except OSError as error:
@@ -75,7 +77,7 @@ class KeptRuns:
                     if known is None or known[0] != stamp:
                         known = self._known[path.stem] = stamp, self._summary(path)
                 except (OSError, ValueError):
-                    continue  # somebody's own file, or one deleted meanwhile
+                    continue  # a foreign file, or one deleted meanwhile
                 found.append(known)
         return [run for _, run in sorted(found, key=lambda one: one[0])]
 

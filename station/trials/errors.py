@@ -25,7 +25,7 @@ class ExperimentError(StationError):
 
 
 class UnknownParameterError(ExperimentError, KeyError):
-    """A trial or a range names a parameter that there is not."""
+    """A trial or a range names an unknown parameter."""
 
     code = "unknown_parameter"
 
@@ -55,19 +55,19 @@ class ExperimentRunningError(ExperimentError, RuntimeError):
 
 
 class TooManyExperimentsError(ExperimentError, ValueError):
-    """There would be more trials or experiments than a station takes."""
+    """There would be more trials or experiments than a station accepts."""
 
     code = "too_many_experiments"
 
 
 class BenchRefusedError(ExperimentError):
-    """A measurement at the robot cannot be done now, or was ended."""
+    """A measurement of the robot is not possible now, or was ended early."""
 
     code = "bench_refused"
 
 
 class BenchRunNotFoundError(ExperimentError, KeyError):
-    """There is no kept run of the bench of that name."""
+    """The bench has kept no run of that name."""
 
     code = "bench_run_not_found"
 

@@ -1,4 +1,4 @@
-"""The signals of a script over time."""
+"""Compute the motions of a script over time."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -28,7 +28,8 @@ def offsets(motion: Motion, times: Array, duration: float) -> Array:
     """Return the offsets of a motion.
 
     Args:
-        motion: The motion; a relay needs the measured joint and gives zeros here.
+        motion: The motion. A relay depends on the measured joint, so its offsets are 0
+            here.
         times: Time since the beginning of the script [s], shape (k,).
         duration: Length of the script [s], > 0.
 
@@ -54,7 +55,7 @@ def offsets(motion: Motion, times: Array, duration: float) -> Array:
 
 
 def _wave(motion: Sine | Chirp | Multisine, length: float) -> Callable[[Array], Array]:
-    """Return the wave within -1 and 1 over the time since it began."""
+    """Return the wave, -1 to 1, as a function of the time since it began."""
     if isinstance(motion, Sine):
         rate = 2.0 * math.pi * motion.frequency
         return lambda t: np.sin(rate * t)
@@ -79,20 +80,20 @@ def schroeder_phases(count: int) -> Sequence[float]:
 
 
 def fade_of(length: float) -> float:
-    """Return the time in which a sine of some length fades in and out [s], > 0."""
-    # Never longer than a quarter, so that half of a short signal has its full
-    # amplitude.
+    """Return the time in which a sine of a given length fades in or out [s], > 0."""
+    # A fade takes a quarter of the length at most, so that half of a short signal has
+    # its full amplitude.
     return max(min(_LONGEST_FADE, 0.25 * length), 1e-9)
 
 
 def _envelope(t: Array, length: float) -> Array:
-    """Return a weight of 0 to 1 that begins and ends at rest, shape (k,)."""
+    """Return weights from 0 to 1 that begin and end at 0 smoothly, shape (k,)."""
     inside = np.clip(np.minimum(t, length - t) / fade_of(length), 0.0, 1.0)
     return least_jerk(inside)
 
 
 def least_jerk(share: Array) -> Array:
-    """Return the done share of a motion with the least jerk at a share of its time."""
+    """Return the share of a least-jerk motion that is done at a share of its time."""
     return share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
 
 
@@ -107,15 +108,15 @@ def _waypoints(times: Sequence[float], values: Sequence[float], at: Array) -> Ar
 
 
 def _through(times: Sequence[float], values: Sequence[float], at: Array) -> Array:
-    """Return a curve through some values, with continuous rates; 0 before the first.
+    """Return a curve through values, with continuous rates; 0 before the first value.
 
-    Cubic Hermite pieces, whose slopes at the values are their central differences.
+    It consists of cubic Hermite pieces, whose slopes at the values are central
+    differences.
     """
     knots, heights = np.array(times), np.array(values)
     if len(knots) == 1:
         return np.where(at >= knots[0], heights[0], 0.0)
-    # Cubic Hermite pieces with central differences: the velocity does not jump at a
-    # knot.
+    # With the same slope on both sides, the velocity does not jump at a knot.
     slopes = np.gradient(heights, knots)
     left = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
     width = knots[left + 1] - knots[left]

@@ -1,4 +1,4 @@
-"""A process that runs one experiment: its order and its reports."""
+"""Start a process that runs one experiment, and read its reports."""
 
 import contextlib
 import json
@@ -14,7 +14,7 @@ from station.core.scheduling import ordinary_priority
 from station.trials.errors import ExperimentError
 
 _BEGIN_TIMEOUT = 60.0
-"""Longest wait until a process has checked what it is to do [s]."""
+"""Longest wait until a process has checked its experiment [s]."""
 _END_TIMEOUT = 1.0
 """Longest wait for a process that was asked to end [s]."""
 
@@ -22,8 +22,8 @@ _END_TIMEOUT = 1.0
 class ExperimentProcess:
     """A process that has checked an experiment and begun to run it.
 
-    It reads its experiment from a pipe, and ends at once when that pipe closes, as it
-    does when this process is killed.
+    The process reads its experiment from a pipe. It ends at once when the pipe closes,
+    which also happens when this process is killed.
 
     Args:
         command: The program and its arguments.
@@ -46,7 +46,7 @@ class ExperimentProcess:
                     command,
                     stdin=in_read,
                     stdout=out_write,
-                    # Ctrl-C at the station's terminal is not meant for the experiment.
+                    # Ctrl-C in the station's terminal must not reach the experiment.
                     start_new_session=True,
                 )
         except OSError as error:
@@ -66,13 +66,14 @@ class ExperimentProcess:
             raise
 
     def _begin(self, order: Mapping[str, object]) -> None:
-        """Hand the order over, and wait until it is checked.
+        """Send the order to the process, and wait until the process has checked it.
 
         Raises:
-            StationError: The process refuses it.
+            StationError: The process refuses the experiment.
             ExperimentError: The process ended before it began.
         """
-        # Reading a pipe has no time limit; the end of the process closes it.
+        # Reading a pipe has no time limit, so end the process after one, which closes
+        # the pipe.
         guard = threading.Timer(_BEGIN_TIMEOUT, self._process.kill)
         guard.daemon = True
         guard.start()
@@ -97,17 +98,17 @@ class ExperimentProcess:
         """Return the lines of the process as it prints them, until it ends."""
         with self._told:
             for line in self._told:
-                if line.endswith("\n"):  # that of a killed process may be cut off
+                if line.endswith("\n"):  # a killed process may cut it off
                     yield json.loads(line)
 
     def interrupt(self) -> None:
-        """Tell it to end its experiment; trials that run may end."""
+        """Ask the process to end its experiment; it may complete its running trials."""
         self._process.send_signal(signal.SIGINT)
 
     def end(self) -> None:
         """End the process and its workers now; ended trials are kept."""
-        with contextlib.suppress(BrokenPipeError):  # it may have ended already
-            # A worker that reads its orders ends when they do.
+        with contextlib.suppress(BrokenPipeError):  # the process may have ended already
+            # The workers end when the pipe of orders closes.
             self._orders.close()
         try:
             self._process.wait(_END_TIMEOUT)
@@ -117,9 +118,9 @@ class ExperimentProcess:
             self._process.wait(_END_TIMEOUT)
 
     def how_it_ended(self) -> str:
-        """Return a sentence on the end of a process that has closed its output.
+        """Return a sentence about the end of the process, which has closed its output.
 
-        A process that lives on all the same is killed.
+        A process that still runs is killed.
         """
         self.end()
         code = self._process.returncode
@@ -142,7 +143,8 @@ def _check(begun: Mapping[str, Any]) -> None:
     kinds: list[type[StationError]] = [StationError]
     for kind in kinds:
         kinds.extend(kind.__subclasses__())
-    # Base classes last: of two classes with one code the more general one is raised.
+    # Base classes come last, so that of two classes with the same code the base class
+    # is raised.
     known = {kind.code: kind for kind in reversed(kinds)}
     found = known.get(refused["code"], ExperimentError)
     raise found(

@@ -1,6 +1,7 @@
-"""Frequency responses from records of an excited joint, and the figures read off them.
+"""Frequency responses from records of an excited joint, and figures from them.
 
-NumPy alone, so that a station without the extra `experiments` measures them, too.
+The module uses only NumPy, so that a station without the extra `experiments` can
+measure responses, too.
 """
 
 import math
@@ -15,18 +16,20 @@ from station.trials.excitations import Array
 Spectrum = NDArray[np.complex128]
 
 _WIDTH = 0.06
-"""Half-width of the band that is averaged, as a share of the frequency: the response of
-a joint is nearly straight within it, and ten bins of noise average out at 10 Hz."""
+"""Half-width of the band over which spectra are averaged, as a share of the frequency.
+The response of a joint is nearly straight within it, and at 10 Hz it averages the noise
+of ten bins."""
 _AT_REST = 0.02
 """Share of a signal's range within which both its ends count as rest."""
 _PER_DECADE = 40
 """Frequencies per decade of a response over a band."""
 _CERTAIN = 0.6
-"""Coherence below which a frequency says nothing on margins."""
+"""Coherence below which a frequency is not used for margins."""
 _UNEXPLAINED = 0.4
-"""Largest share of a plant that an inertia with damping may leave unexplained."""
+"""Largest share of a plant's response that a model of inertia and damping may leave
+unexplained."""
 _LONGEST_DELAY = 0.05
-"""Longest delay of a plant that is looked for [s]."""
+"""Longest delay of a plant that the fit tries [s]."""
 _HALF_POWER = math.sqrt(0.5)
 
 
@@ -68,10 +71,10 @@ def joint_response(
 ) -> JointResponse | None:
     """Return the responses of a joint from its set-point, position and command.
 
-    All three are quotients of cross-spectra with the set-point, which no noise of the
-    loop has in it: a feedback biases none of them. The spectra are averaged over
-    neighbouring frequencies. A record that begins and ends at rest is used as it is,
-    because nothing leaks then; another one is tapered.
+    All three are quotients of cross-spectra with the set-point. The noise of the loop
+    is not correlated with the set-point, so the feedback does not bias them. The
+    spectra are averaged over neighbouring frequencies. A record that begins and ends at
+    rest has no leakage, and is used as it is; any other record is tapered.
 
     Args:
         signals: `desired`, `position` and `output` in each cycle, shape (n,) each.
@@ -79,8 +82,8 @@ def joint_response(
         frequencies: Frequencies that were excited [Hz], increasing.
 
     Returns:
-        The responses at those of the frequencies that the record can tell apart; None
-        when there is none.
+        The responses at the frequencies that the record can resolve; None if it can
+        resolve none.
 
     Source:
         L. Ljung, System Identification, 2nd ed., 1999, sections 6.4 and 13.5: smoothed
@@ -108,7 +111,8 @@ def joint_response(
         s_re = s_rr - s_ry
         if s_ru == 0.0 or s_re == 0.0:
             continue
-        # The centre of the power, not of the band: a single line is where it is.
+        # Use the centre of the power, not of the band, so that a single line keeps its
+        # frequency.
         centre = float((bins[near] * np.abs(r) ** 2).sum() / s_rr)
         rows.append((centre, abs(s_ry) ** 2 / (s_rr * s_yy)))
         found.append((s_ry / s_rr, s_ry / s_re, s_ry / s_ru))
@@ -120,7 +124,7 @@ def joint_response(
 
 
 def frequencies_between(low: float, high: float) -> Array:
-    """Return frequencies from one to another, evenly over the logarithm [Hz].
+    """Return frequencies between two bounds, evenly spaced in the logarithm [Hz].
 
     Args:
         low: The first, > 0 [Hz].
@@ -131,7 +135,7 @@ def frequencies_between(low: float, high: float) -> Array:
 
 
 def figures_of(response: JointResponse) -> dict[str, float]:
-    """Return bandwidth, peak, margins and crossovers, as far as the band has them.
+    """Return bandwidth, peak, margins and crossovers, if they lie in the measured band.
 
     Margins are those of the open loop: the gain margin is the factor on all gains at
     which the loop begins to oscillate, at the phase crossover.
@@ -140,7 +144,7 @@ def figures_of(response: JointResponse) -> dict[str, float]:
     is_certain = response.coherence >= _CERTAIN
     loop, closed = response.open_loop, response.closed_loop
     found: dict[str, float] = {"coherence": float(np.median(response.coherence))}
-    # Few bins are averaged at low frequencies: by chance some of them agree.
+    # At low frequencies only a few bins are averaged, and they may agree by chance.
     if len(frequency) < 3 or found["coherence"] < _CERTAIN:
         return found
     found["resonance_peak"] = float(closed.gain[is_certain].max(initial=0.0))
@@ -150,7 +154,7 @@ def figures_of(response: JointResponse) -> dict[str, float]:
     at = _crossing(frequency, loop.gain, 1.0, is_certain)
     if at is not None:
         found["gain_crossover"] = at
-        # Whole turns that noise at a low frequency has added are none.
+        # Noise at a low frequency may have added whole turns, which do not count.
         found["phase_margin"] = _at(frequency, loop.phase, at) % 360.0 - 180.0
     lag = np.sin(np.radians(loop.phase))
     is_behind = np.cos(np.radians(loop.phase)) < 0.0
@@ -164,9 +168,10 @@ def figures_of(response: JointResponse) -> dict[str, float]:
 def mass_and_damping(response: JointResponse) -> dict[str, float]:
     """Return inertia, damping and delay of the plant, if such a model fits.
 
-    Least squares over `1 / plant = (damping * s + inertia * s**2) * exp(delay * s)`,
-    each frequency with the same weight; nothing where more than a fifth is not
-    explained, or a value would be negative.
+    It fits `1 / plant = (damping * s + inertia * s**2) * exp(delay * s)` by least
+    squares, with the same weight for each frequency. It returns nothing if the model
+    leaves more than `_UNEXPLAINED` of the plant unexplained, or a value would be
+    negative.
     """
     omega = 2.0 * math.pi * response.frequency
     phase = np.radians(response.plant.phase)
@@ -189,7 +194,7 @@ def mass_and_damping(response: JointResponse) -> dict[str, float]:
 def sine_figures(
     desired: Array, position: Array, period: float, frequency: float
 ) -> dict[str, float]:
-    """Return gain and phase at a sine, by least squares over whole periods at the end.
+    """Return gain and phase of a sine, by least squares over the last whole periods.
 
     Args:
         desired: Set-points, shape (n,).
@@ -223,7 +228,8 @@ def _is_at_rest(signals: Mapping[str, Array]) -> bool:
         values = signals[name]
         if abs(values[-1] - values[0]) > _AT_REST * np.ptp(values):
             return False
-        # A sine through its mean is no rest: the rate at the ends tells.
+        # A sine may end at its mean without being at rest, so check the rate at the
+        # ends.
         rate = np.abs(np.diff(values))
         if max(rate[0], rate[-1]) > 0.1 * rate.max(initial=0.0):
             return False
@@ -242,7 +248,7 @@ def _power(spectrum: Spectrum) -> float:
 
 def _curve(answers: Spectrum) -> Curve:
     phase = np.degrees(np.unwrap(np.angle(answers)))
-    # An integrator begins at -90 or -180 degrees, which noise turns to +179.
+    # An integrator begins at -90 or -180 degrees, which noise may turn into +179.
     phase -= 360.0 * math.ceil((float(np.median(phase)) - 90.0) / 360.0)
     return Curve(np.abs(answers), phase)
 
@@ -250,7 +256,7 @@ def _curve(answers: Spectrum) -> Curve:
 def _crossing(
     frequency: Array, values: Array, level: float, is_certain: NDArray[np.bool_]
 ) -> float | None:
-    """Return the first frequency at which a curve falls through a level."""
+    """Return the first frequency at which a curve falls below a level."""
     above = values >= level
     falls = np.flatnonzero(above[:-1] & ~above[1:] & is_certain[:-1] & is_certain[1:])
     if not len(falls):
@@ -261,5 +267,5 @@ def _crossing(
 
 
 def _at(frequency: Array, values: Array, at: float) -> float:
-    """Return a curve's value between two of its frequencies."""
+    """Return a curve's value at a frequency, by interpolation."""
     return float(np.interp(math.log(at), np.log(frequency), values))

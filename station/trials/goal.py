@@ -1,4 +1,4 @@
-"""The goal of a search: the measure by which trials are compared."""
+"""The goal of a search: the cost of a trial, and bounds on its metrics."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,27 +9,29 @@ from station.trials.errors import ExperimentError, ImpossibleRangeError
 from station.trials.metrics import LARGER_IS_BETTER, check_metric
 from station.trials.trial import TrialResult
 
-# Far above `_VIOLATED`, and that above any cost of a good trial: a search prefers a
-# slow trial to a violation, and that to a failure.
+# The costs are far apart, so that a search prefers a poor trial to a violation of a
+# bound, and a violation to a failure.
 _FAILED = 1e6
 """Cost of a trial that failed."""
 _VIOLATED = 1e3
 """Cost of a trial that violates a constraint, before the excess is added."""
 _UNMEASURED = 10.0
-"""Excess of a metric that a trial lacks over its bound, as a share of the bound."""
+"""Excess that a trial gets for a bounded metric which it lacks, as a share of the
+bound."""
 TOLERANCE = 0.001
-"""Share by which a bound relative to the first trial may be exceeded. Other random
-numbers of the sensors move the peak of the effort by 0.7 %, and its RMS by 0.03 %, so
-that an exact comparison would only tell which noise there was."""
+"""Share by which a trial may exceed a bound that is relative to the first trial. Other
+random noise of the sensors changes the peak of the effort by 0.7 % and its RMS by 0.03
+%, so an exact comparison would depend on the noise."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """A hard constraint: a metric is at most a number, or a multiple of the first.
+    """A hard constraint: the largest allowed value of a metric.
 
     Args:
         metric: The metric.
-        limit: The number, finite.
+        limit: Largest allowed value, in the unit of the metric or as a multiple;
+            finite.
         is_relative: Whether `limit` is a multiple of the metric of the first trial; it
             is kept within `TOLERANCE`.
 
@@ -51,20 +53,20 @@ class Bound:
             )
 
     def excess(self, metrics: Mapping[str, float], first: Mapping[str, float]) -> float:
-        """Return the excess over the bound, as a share of it; 0 when it is kept."""
+        """Return the excess over the bound, as a share of the bound; 0 if kept."""
         limit = self.limit
         if self.is_relative:
             limit *= first[self.metric]
             limit += TOLERANCE * abs(limit)
         found = metrics.get(self.metric)
-        if found is None:  # such as the settling time of what does not settle
+        if found is None:  # e.g. the settling time of a joint that does not settle
             return _UNMEASURED
         return max(0.0, (found - limit) / max(abs(limit), 1e-9))
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """The measure by which one trial is better than another.
+    """The cost by which trials are compared, and the bounds that they must keep.
 
     Args:
         weights: Weight of each metric in the cost, > 0. Metrics count relative to those
@@ -112,11 +114,11 @@ class Goal:
     def softened(
         self, result: TrialResult, first: Mapping[str, float], strictness: float
     ) -> float:
-        """Return the cost of a trial for which a bound is no cliff.
+        """Return the cost of a trial with a smooth penalty in place of hard bounds.
 
         Args:
             result: Result of the trial.
-            first: The metrics of the first trial, none of the goal missing.
+            first: The metrics of the first trial, with every metric of the goal.
             strictness: Cost of an excess as large as the bound's limit, >= 0.
         """
         if result.state == "failed":
@@ -125,7 +127,7 @@ class Goal:
         return self._total(result, first) + strictness * excess
 
     def excess(self, result: TrialResult, first: Mapping[str, float]) -> float:
-        """Return the sum of a trial's excesses over the bounds; 0 when it keeps all."""
+        """Return the sum of a trial's excesses over the bounds; 0 if all are kept."""
         return sum(bound.excess(result.metrics, first) for bound in self.bounds)
 
     def _check(self, first: Mapping[str, float]) -> None:

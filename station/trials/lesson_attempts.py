@@ -1,4 +1,4 @@
-"""Attempts at lessons: motions of the student's robot, measured, checked and kept."""
+"""Attempts at lessons: measure and check the motions of a student's robot."""
 
 import re
 import threading
@@ -30,24 +30,24 @@ from station.wire.lessons import (
 )
 
 _LOOK = 0.5
-"""Time between two looks at the ring, which keeps 4 s [s]."""
+"""Time between two reads of the ring [s], which keeps 4 s."""
 _LONGEST = 7200.0
-"""Longest attempt: after it nobody is at work any more [s]."""
+"""Longest attempt [s]; after this time the student has surely left."""
 _REFLEX = "reflex"
 _PERSON = re.compile(r"[^a-z0-9]+")
 
 
 class LessonWatch:
-    """Sums up the motions of the robot from the next cycle on.
+    """Collects figures of the robot's motions from the next cycle on.
 
     Args:
         station: The station.
-        lesson: Its controllers and its joint are looked at.
+        lesson: Lesson, whose controllers and joint are watched.
 
     Attributes:
         figures: `reflexes`, `recoveries`, `switches` between the lesson's controllers,
-            `gaps` (cycles between two of them without any), `largest_speed`
-            [rad/s or m/s] and `largest_error` [rad or m] of the joint.
+            `gaps` (cycles between two of these controllers in which none ran),
+            `largest_speed` [rad/s or m/s] and `largest_error` [rad or m] of the joint.
     """
 
     def __init__(self, station: Station, lesson: LessonText) -> None:
@@ -91,7 +91,7 @@ class LessonWatch:
             self.figures[name] = max(largest, self.figures.get(name, 0.0))
 
     def _count(self, ran: list[str]) -> None:
-        """Count the switches, and the cycles that they left without a controller."""
+        """Count the switches, and the cycles in which none of the controllers ran."""
         for name in ran:
             if not name:
                 self._gap += self._ran != ""
@@ -104,13 +104,14 @@ class LessonWatch:
 
 
 class LessonAttempts:
-    """The lessons of a station, the attempt under way, and everybody's progress.
+    """The lessons of a station, the present attempt, and the progress of all persons.
 
     Args:
         station: The station.
-        runs: Runs of the bench; those since the beginning of an attempt are its own.
-        folder: The user's lessons; the user's own folder when None. The progress is in
-            `progress` below it, a YAML file for each person.
+        runs: Kept runs of the bench; those after the beginning of an attempt belong to
+            it.
+        folder: Folder of the user's lessons; None for the default folder. Its subfolder
+            `progress` has a YAML file for each person.
     """
 
     def __init__(
@@ -149,7 +150,7 @@ class LessonAttempts:
         return Lessons(lessons=found, unusable=list(book.unusable))
 
     def begin(self, name: str, person: str) -> Lesson:
-        """Begin an attempt; the one before, of whomever, ends.
+        """Begin an attempt; it ends the present attempt, even of another person.
 
         Raises:
             LessonNotFoundError: There is no such lesson.
@@ -161,7 +162,8 @@ class LessonAttempts:
             self._name = name
             self._known = {run.name: run.created_at for run in self._runs.list()}
             self._watch = LessonWatch(self._station, lesson)
-            # Who steps a station asks for a check when it has been stepped.
+            # A station that is stepped by hand needs no thread: its user asks for the
+            # check.
             if self._station.loop.state is LoopState.RUNNING:
                 threading.Thread(
                     target=self._look,
@@ -172,13 +174,13 @@ class LessonAttempts:
         return next(one for one in self.lessons(person).lessons if one.name == name)
 
     def close(self) -> None:
-        """End the attempt under way."""
+        """End the present attempt."""
         with self._lock:
             self._end.set()
             self._name, self._watch = "", None
 
     def take(self) -> None:
-        """Read the cycles since the last call, as the thread of the lessons does."""
+        """Read the cycles since the last call; a thread does so while the loop runs."""
         with self._lock:
             if self._watch is not None:
                 self._watch.take()
@@ -186,16 +188,17 @@ class LessonAttempts:
     def check(
         self, name: str, person: str, answers: Mapping[str, float]
     ) -> LessonResult:
-        """Check the attempt under way, and keep a success.
+        """Check the present attempt, and keep a success.
 
         Args:
             name: The lesson.
             person: Name of the student.
-            answers: Typed numbers, in the units of the lesson.
+            answers: Numbers that the student has typed, by name, in the units of the
+                lesson.
 
         Raises:
             LessonNotFoundError: There is no such lesson.
-            ExperimentError: It was not begun, or the progress cannot be kept.
+            ExperimentError: The lesson was not begun, or the progress cannot be saved.
         """
         lesson = open_book(self._folder).get(name)
         if name != self._name or self._watch is None:
@@ -212,7 +215,8 @@ class LessonAttempts:
         for one in lesson.checks:
             is_met, value = one.is_met(figures), figures.get(one.value)
             hint = "" if is_met else one.hint
-            # The first hint says how to come by the figures that are missing.
+            # Missing figures get no hint of their own: the first hint says how to get
+            # them.
             if value is None and not all(verdict.is_met for verdict in verdicts):
                 hint = "Not measured yet."
             verdicts.append(
@@ -276,7 +280,7 @@ class LessonAttempts:
         return found
 
     def _is_applied(self, run: BenchResponse) -> bool:
-        """Return whether the gains in force are those of one of a run's rules."""
+        """Return whether the gains in force are proposals of one rule for a run."""
         try:
             now = self._station.tuning.gains(run.controller).values
         except StationError:
@@ -296,7 +300,7 @@ class LessonAttempts:
         try:
             kept = read_yaml(self._file(person)).values.get("solved")
         except ConfigError:
-            return []  # nothing solved yet, or a file that was damaged
+            return []  # no lesson is solved yet, or the file is damaged
         return [str(name) for name in kept] if isinstance(kept, list) else []
 
     def _keep_solved(self, person: str, lesson: str) -> None:

@@ -1,4 +1,4 @@
-"""Lessons in files: YAML with Markdown, the station's own and those of the user."""
+"""Read lessons from YAML files: the station's own, and those of the user."""
 
 import re
 from collections.abc import Mapping
@@ -26,9 +26,9 @@ class Answer(BaseModel):
 
     Attributes:
         name: Name; checks call it `answer.NAME`.
-        label: The same for people.
+        label: Name of the answer for people.
         unit: Its unit.
-        scale: Factor from this unit to the figure's own, > 0.
+        scale: Factor from this unit to the unit of the figure, > 0.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -50,7 +50,7 @@ class Check(BaseModel):
         at_most: Largest allowed value: a number, or a figure.
         near: Wanted value: a number, or a figure.
         within: Allowed deviation from `near`, as a share of it, > 0.
-        times: Factor on figures of `at_least` and `at_most`.
+        times: Factor on the figures in `at_least` and `at_most`.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -66,10 +66,10 @@ class Check(BaseModel):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        """Refuse figures that there are not, and checks without a bound.
+        """Refuse malformed names of figures, and checks without a bound.
 
         Raises:
-            ValueError: A figure has another form, or there is no bound.
+            ValueError: The name of a figure is malformed, or there is no bound.
         """
         bounds = (self.at_least, self.at_most, self.near)
         for name in (self.value, *bounds):
@@ -80,7 +80,7 @@ class Check(BaseModel):
         return self
 
     def is_met(self, figures: Mapping[str, float]) -> bool:
-        """Return whether the condition holds; not when a figure is missing."""
+        """Return whether the condition holds; False if a figure is missing."""
         value = figures.get(self.value)
         if value is None:
             return False
@@ -107,7 +107,7 @@ class Check(BaseModel):
 
 
 class LessonText(BaseModel):
-    """A lesson as its file has it.
+    """A lesson as it is written in its file.
 
     Attributes:
         title: Name for people.
@@ -132,11 +132,11 @@ class LessonText(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class Book:
-    """The lessons there are.
+    """All lessons of a station.
 
     Attributes:
         lessons: Lessons by name, in their order.
-        unusable: Files that are no lessons, with their faults.
+        unusable: Files that are not lessons, with their faults.
     """
 
     lessons: Mapping[str, LessonText]
@@ -158,11 +158,11 @@ class Book:
 
 
 def open_book(folder: Path | None = None) -> Book:
-    """Return the station's lessons and the user's, which may replace them by name.
+    """Return the station's and the user's lessons; the latter replace equal names.
 
     Args:
-        folder: The user's lessons, one `NAME.yaml` each; the user's own folder when
-            None. A file that is no lesson is left out, and reported.
+        folder: Folder of the user's lessons, one `NAME.yaml` each; None for the default
+            folder. A file that is not a lesson is left out and reported.
     """
     found: dict[str, LessonText] = {}
     unusable = []

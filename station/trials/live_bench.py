@@ -1,9 +1,9 @@
-"""Excites one joint of the robot that runs, and measures how it follows.
+"""Excite one joint of the running robot, and measure its response.
 
 The set-points go through the running controller like those of a person, inside an
 envelope that is small enough for an arm on a table: `LARGEST`, `FASTEST`, and the
-limits of the joint. A joint may answer faster than it is asked, e.g. near a resonance
-of its loop: the measured speeds are watched as well, `SPEED_SHARE`.
+limits of the joint. A joint may move faster than its set-point, e.g. near a resonance
+of its loop, so the bench also limits the measured speeds (`SPEED_SHARE`).
 """
 
 import math
@@ -32,26 +32,30 @@ from station.trials.trial import Script
 from station.wire.excitations import BenchRequest, BenchResponse, Relay, Step
 
 LARGEST = {"rad": 0.3, "m": 0.03}
-"""Largest offset from where the joint begins, by the unit of the set-point."""
+"""Largest offset from the initial position [rad or m], by the unit of the set-point."""
 FASTEST = {"rad": 1.0, "m": 0.1}
-"""Largest rate of an excitation that has no jumps [per s]."""
+"""Largest rate of an excitation without jumps [rad/s or m/s], by the unit of the
+set-point."""
 MARGIN = {"rad": 0.05, "m": 0.002}
-"""How far the set-point stays away from the limits of the joint."""
+"""Least distance of the set-point from the limits of the joint [rad or m], by the unit
+of the set-point."""
 SPEED_SHARE = 0.8
-"""Share of a joint's velocity limit at which a measurement is ended: an arm stops
-itself at the limit, and a relay of 0.3 rad gains the fifth below it in some 10 ms."""
+"""Share of a joint's velocity limit at which a measurement ends. An arm stops itself at
+the limit, and under a relay of 0.3 rad a joint gains the last fifth within about 10 ms.
+"""
 _BEYOND = {"rad": 0.2, "m": 0.02}
-"""How far the joint may go beyond the excitation before the measurement is ended."""
+"""How far the joint may overshoot the excitation before the measurement ends [rad or
+m], by the unit of the set-point."""
 _STILL = 0.05
-"""Largest speed of a joint when a measurement begins [rad/s or m/s]."""
+"""Largest speed of a joint at which a measurement may begin [rad/s or m/s]."""
 _TICK = 0.002
-"""Time between two looks at the robot [s]."""
+"""Time between two checks of the robot [s]."""
 _PATIENCE = 1.0
 """Longest wait for the next cycle [s]."""
 _SLOWEST = 4.0
-"""How much longer than asked for a measurement may take, in wall time."""
+"""Largest ratio of a measurement's wall time to its duration."""
 _RETURN = 0.8
-"""How long the way back takes [s]."""
+"""Duration of the motion back to the initial position [s]."""
 
 
 class LiveBench:
@@ -59,7 +63,7 @@ class LiveBench:
 
     Args:
         station: The station.
-        sleep: Waits [s].
+        sleep: Function that waits for a time [s].
         now: Monotonic clock [s].
     """
 
@@ -77,13 +81,13 @@ class LiveBench:
     def measure(
         self, controller: str, request: BenchRequest, admit: Callable[[], None]
     ) -> BenchResponse:
-        """Excite a joint and return its response; the joint comes back afterwards.
+        """Excite a joint and return its response; the joint moves back afterwards.
 
         Args:
             controller: The controller, which runs and takes positions.
             request: Joint, excitation and duration.
-            admit: Is called before every set-point; raises when the caller may not
-                move the robot any more.
+            admit: Called before every set-point; raises an error when the caller may no
+                longer move the robot.
 
         Raises:
             BenchRefusedError: Another measurement runs, a joint moves, or a joint
@@ -129,8 +133,8 @@ class LiveBench:
         try:
             with self._relay_gains(controller, request):
                 gains = dict(self._station.tuning.gains(controller).values)
-                # Control is asked for again before each set-point: its holder may
-                # change at any time.
+                # Ask before each set-point whether the caller holds control, because
+                # the holder may change at any time.
                 while cycle < cycles:
                     if cycle > due:
                         admit()
@@ -141,7 +145,7 @@ class LiveBench:
                     cycle = self._station.loop.cycle - first
                     self._check_speeds(fastest)
                     self._check_on_the_way(joint, start, allowed, deadline)
-        # The joint is brought back before the reason is told: nobody else would do it.
+        # Move the joint back before raising the error, because no caller would do it.
         except BenchRefusedError:
             self._brake(controller, begin, admit)
             self._go_back(controller, begin, admit)
@@ -160,7 +164,7 @@ class LiveBench:
 
     @contextmanager
     def _relay_gains(self, controller: str, request: BenchRequest) -> Iterator[None]:
-        """Let P alone act on the joint in the body of a `with`, if that is asked for.
+        """Set the joint's i and d to 0 in the body of a `with`, if this is requested.
 
         Raises:
             ImpossibleRangeError: The controller has no such gains.
@@ -180,7 +184,8 @@ class LiveBench:
                 "with PIDs.",
             )
         wanted = dict.fromkeys(names.values(), 0.0) | {names["p"]: request.relay_gain}
-        # Before the joint moves, and whatever ends the test: the gains are a person's.
+        # Set the gains before the joint moves. They are restored however the test ends,
+        # and `remember=False` keeps them out of the undo history.
         tuning.set_gains(controller, wanted, remember=False)
         try:
             yield
@@ -194,7 +199,8 @@ class LiveBench:
         Raises:
             ControllerStateError: The controller does not run.
             UnknownParameterError: The controller commands no such joint.
-            BenchRefusedError: The controller has no set-point yet, or a joint moves.
+            BenchRefusedError: The controller has no set-point yet, or a joint moves
+                now.
             StationError: The excitation is not possible.
         """
         station, excitation = self._station, request.excitation
@@ -233,7 +239,7 @@ class LiveBench:
         """
         found = self._station.manager.get_controller(controller)
         if found.trajectories is not None:
-            # Every trajectory controller follows positions of its joints.
+            # A trajectory controller follows positions of its joints.
             return [SetPointElement(name, "rad") for name in found.joint_names]
         elements = [] if found.set_points is None else list(found.set_points.elements)
         if not elements or any(e.unit not in POSITION_UNITS for e in elements):
@@ -244,7 +250,7 @@ class LiveBench:
         return elements
 
     def _check_still(self) -> None:
-        """Refuse to measure while something moves.
+        """Refuse to measure while a joint moves.
 
         Raises:
             BenchRefusedError: A joint moves.
@@ -348,7 +354,8 @@ class LiveBench:
         """End a measurement that leaves its bounds.
 
         Raises:
-            BenchRefusedError: The joint is too far away, or time does not pass.
+            BenchRefusedError: The joint is too far from its start, or station time does
+                not pass.
         """
         position = self._station.latest().position[joint]
         name = self._station.joint_names[joint]
@@ -369,7 +376,7 @@ class LiveBench:
     def _brake(
         self, controller: str, begin: list[float], admit: Callable[[], None]
     ) -> None:
-        """Let the joints keep their positions; their last command is further away."""
+        """Make the present positions the set-points; the last ones are farther away."""
         station = self._station
         if station.manager.get_controller(controller).trajectories is None:
             here = dict(
@@ -384,7 +391,7 @@ class LiveBench:
     def _go_back(
         self, controller: str, begin: list[float], admit: Callable[[], None]
     ) -> None:
-        """Lead the set-point back to where it was, smoothly."""
+        """Move the set-point back to its initial value, smoothly."""
         station = self._station
         found = station.manager.get_controller(controller)
         if found.trajectories is not None:
@@ -406,7 +413,7 @@ class LiveBench:
         self._settle()
 
     def _settle(self) -> None:
-        """Wait until the robot is at rest, but not for long."""
+        """Wait until the robot is at rest, for `_RETURN` at most."""
         deadline = self._now() + _RETURN
         until = self._station.loop.time + _RETURN
         while self._now() < deadline and self._station.loop.time < until:

@@ -1,4 +1,4 @@
-"""Numbers that say how good a trial was."""
+"""Compute the metrics of a trial."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,20 +27,20 @@ UNITS: Mapping[str, str] = {
     "reflexes": "",
     "violations": "cycles",
 }
-"""Unit of each metric. Smaller is better, but for `limit_margin`."""
+"""Unit of each metric. Smaller values are better, except for `limit_margin`."""
 LARGER_IS_BETTER = frozenset({"limit_margin"})
 _OF_A_STEP = frozenset({"rise_time", "overshoot", "settling_time"})
 _STEADY = 0.1
-"""Share of a trial at its end in which the steady error is taken."""
+"""Share of a trial, at its end, over which the steady error is averaged."""
 
 
 @dataclass(frozen=True, slots=True)
 class Counts:
-    """The counts beside the trace.
+    """Counts of a trial that its trace does not have.
 
     Attributes:
-        reflexes: How often an arm fell into its reflex.
-        violations: Commands that the gate refused.
+        reflexes: Number of reflexes of arms.
+        violations: Number of commands that the gate refused.
     """
 
     reflexes: int = 0
@@ -48,7 +48,7 @@ class Counts:
 
 
 def check_metric(name: str) -> None:
-    """Refuse a metric that there is not.
+    """Refuse an unknown metric.
 
     Raises:
         UnknownParameterError: There is no such metric.
@@ -67,10 +67,10 @@ def measure(
 ) -> dict[str, float]:
     """Return the metrics of a trial that are finite.
 
-    RMS and peak are over all joints of the controller, RMS over all cycles, too.
-    `steady_error` is the mean over the last tenth. Rise (10 to 90 %), overshoot and
-    settling are those of the only step of a script that has one and no other motion;
-    a step that does not rise or settle has no such time.
+    RMS and peak are taken over all joints of the controller and all cycles.
+    `steady_error` is the mean over the last tenth. Only a script whose only motion is a
+    step has rise time (10 to 90 %), overshoot and settling time; a step that does not
+    rise or settle has no such time.
 
     Args:
         trace: Recorded motion.
@@ -116,7 +116,7 @@ def check_measured(name: str, script: Script) -> None:
 
 
 def _only_step(script: Script) -> Step | None:
-    """Return the step of a script that has one and no other motion."""
+    """Return the step of a script whose only motion is a step; None for others."""
     match script.motions:
         case [Step() as step]:
             return step
@@ -132,7 +132,7 @@ def _largest(values: Array) -> float:
 
 
 def _limit_margin(trace: Trace, limits: Sequence[JointLimitsReport]) -> float:
-    """Return the shortest way to a position limit [rad or m]; inf without limits."""
+    """Return the least distance to a position limit [rad or m]; inf without limits."""
     margin = np.inf
     for report in limits:
         if report.joint not in trace.joints:

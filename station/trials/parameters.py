@@ -1,4 +1,4 @@
-"""The parameters of a trial: flat names of numbers, so that they fit into a table.
+"""The parameters of a trial: numbers with flat names, which fit into a table.
 
 - `gains/CONTROLLER/GAIN`: value of a gain, e.g. `gains/arm/panda_joint1/p`, in the
   gain's own range;
@@ -6,7 +6,8 @@
 - `load`: unknown mass at the end of the arm, 0 to 100 kg;
 - `friction`, `friction/JOINT`: Coulomb friction of all joints, or of one, 0 to 1000
   [Nm or N];
-- `damping`, `damping/JOINT`: viscous damping likewise, 0 to 1000 [Nm s/rad or N s/m];
+- `damping`, `damping/JOINT`: viscous damping of all joints, or of one, 0 to 1000 [Nm
+  s/rad or N s/m];
 - `delay`: how many cycles late the robot receives the commands of joints, 0 to 100;
 - `noise/position`, `noise/velocity`: standard deviation of the noise of measured
   positions, 0 to 1 [rad or m], and velocities, 0 to 10 [rad/s or m/s].
@@ -26,7 +27,7 @@ _RANGES = {
     "noise/position": (0.0, 1.0),
     "noise/velocity": (0.0, 10.0),
 }
-"""Lowest and highest value of each parameter that is no gain."""
+"""Lowest and highest value of each parameter that is not a gain."""
 _OF_JOINTS = ("friction", "damping")
 _OF_GAINS = ("gains", "scale")
 
@@ -40,7 +41,7 @@ class Overrides:
         scales: Factors by controller and suffix.
         load: Unknown mass [kg], >= 0.
         friction: Coulomb friction by joint; the name "" stands for all joints.
-        damping: Viscous damping likewise.
+        damping: Viscous damping by joint; the name "" stands for all joints.
         delay: Delay of the commands in cycles, >= 0.
         position_noise: Standard deviation of measured positions [rad or m], >= 0.
         velocity_noise: Standard deviation of measured velocities [rad/s or m/s], >= 0.
@@ -65,7 +66,7 @@ def sort_out(parameters: Mapping[str, float]) -> Overrides:
     """Return the parameters of a trial, sorted by the part that they change.
 
     Raises:
-        UnknownParameterError: There is no such parameter.
+        UnknownParameterError: The parameter is unknown.
         ImpossibleRangeError: A value is not allowed.
     """
     found = Overrides()
@@ -85,13 +86,13 @@ def sort_out(parameters: Mapping[str, float]) -> Overrides:
 
 
 def check(name: str, value: float) -> None:
-    """Refuse a parameter that there is not, or a value that is not allowed.
+    """Refuse an unknown parameter, or a value that is not allowed.
 
-    Names and ranges of gains and joints are known to the station only, which checks
-    them when the trial begins.
+    Only the station knows names and ranges of gains and joints. It checks them when the
+    trial begins.
 
     Raises:
-        UnknownParameterError: There is no such parameter.
+        UnknownParameterError: The parameter is unknown.
         ImpossibleRangeError: The value is not allowed.
     """
     kind, _, rest = name.partition("/")
@@ -120,10 +121,10 @@ def check(name: str, value: float) -> None:
 
 
 def _split(name: str) -> tuple[str, str]:
-    """Return controller and gain of a parameter.
+    """Return the controller and the gain in the name of a parameter.
 
     Raises:
-        UnknownParameterError: The name has another form.
+        UnknownParameterError: The name is malformed.
     """
     controller, _, gain = name.partition("/")[2].partition("/")
     if not (controller and gain):
@@ -150,7 +151,7 @@ def gains_under(
 
     Args:
         wanted: Changed gains, and factors of gains.
-        gains: The gains without the trial, by controller and name.
+        gains: The gains before the trial's changes, by controller and name.
 
     Raises:
         UnknownParameterError: No gain has that name or suffix.

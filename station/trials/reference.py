@@ -1,4 +1,4 @@
-"""Gives a controller the commands of a script, cycle by cycle."""
+"""Give a controller the commands of a script, cycle by cycle."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -15,19 +15,20 @@ from station.trials.trial import Script
 from station.wire.excitations import Motion, Recorded, Relay, Step
 
 NEVER = 2**62
-"""A cycle that does not come."""
+"""A cycle number that is never reached."""
 _POINT_CYCLES = 20
 """Cycles between two points of a trajectory."""
 _DIFFERENCE = 1e-4
-"""Half of the interval in which rates of a trajectory are computed [s]."""
+"""Half of the interval over which rates of a trajectory are computed [s]."""
 _REPEAT = 20
-"""Cycles after which a set-point is sent again: streaming controllers brake without."""
+"""Cycles after which a set-point is sent again: without it streaming controllers brake.
+"""
 POSITION_UNITS = frozenset({"rad", "m"})
 """Units of set-points that are positions."""
 
 
 class Reference(ABC):
-    """The motion that a controller is asked for in a trial."""
+    """The motion that a trial commands to a controller."""
 
     @abstractmethod
     def command(self, cycle: int) -> None:
@@ -37,20 +38,20 @@ class Reference(ABC):
             cycle: Number of the cycle in the trial, from 0, increasing.
 
         Raises:
-            StationError: The controller refuses it.
+            StationError: The controller refuses the command.
         """
 
     @abstractmethod
     def quiet_from(self, cycle: int) -> int:
-        """Return the first cycle after `cycle` in which something may be due."""
+        """Return the first cycle after `cycle` for which a command may be due."""
 
 
 class _Hold(Reference):
-    """Asks for nothing: the controller holds."""
+    """Gives no commands, so that the controller holds."""
 
     @override
     def command(self, cycle: int) -> None:
-        """Ask for nothing."""
+        """Give no command."""
 
     @override
     def quiet_from(self, cycle: int) -> int:
@@ -58,7 +59,7 @@ class _Hold(Reference):
 
 
 class _SetPoints(Reference):
-    """A set-point whenever it changes; in every cycle while a relay acts."""
+    """Sends the set-point when it changes, and in every cycle while a relay acts."""
 
     def __init__(
         self, facade: Station, script: Script, begin: Sequence[float] | None
@@ -81,7 +82,7 @@ class _SetPoints(Reference):
         self._values = values
         changes = np.flatnonzero(np.any(np.diff(values, axis=0) != 0.0, axis=1)) + 1
         self._changes = np.concatenate(([0], changes))
-        self._sent = -1  # which of the changes
+        self._sent = -1  # index of the change that was sent last
 
     @override
     def command(self, cycle: int) -> None:
@@ -105,12 +106,13 @@ class _SetPoints(Reference):
 
 
 class _RelaySwitch:
-    """Changes sides when the measured joint has crossed the middle."""
+    """Computes the offset of a relay from the measured position of its joint."""
 
     def __init__(self, facade: Station, relay: Relay, column: int) -> None:
         self._facade, self._relay = facade, relay
         self._joint = _measured(facade, relay.joint)
-        # Of a velocity or an effort, the middle is where the joint began.
+        # For a set-point of velocity or effort, the middle is the joint's initial
+        # position.
         self._middle = facade.latest().position[self._joint]
         self._first = round(relay.at / facade.loop.period)
         self._side = 1.0
@@ -138,7 +140,7 @@ class _Trajectory(Reference):
         times: Array = _ticks(count + 1, script.duration / count)[1:]
         around: list[Array] = [
             np.tile(begin, (len(times), 1)) for _ in range(3)
-        ]  # before, at and after each point
+        ]  # times before, at and after each point
         for motion in script.motions:
             is_held = isinstance(motion, Recorded) and motion.between == "hold"
             if is_held or isinstance(motion, Step | Relay):
@@ -170,16 +172,16 @@ class _Trajectory(Reference):
 def make_reference(
     facade: Station, script: Script, begin: Sequence[float] | None = None
 ) -> Reference:
-    """Return a function that gives a script to its running controller.
+    """Return the object that gives the commands of a script to its controller.
 
     Args:
         facade: The station.
         script: Commands of the trial.
-        begin: The set-point that the script's offsets are added to; where the joints
-            are when None. Trajectories begin at the desired state.
+        begin: Set-point to which the script's offsets are added; None for the present
+            positions. Trajectories begin at the desired state.
 
     Raises:
-        ExperimentError: The controller cannot carry the script out.
+        ExperimentError: The controller cannot follow the script.
         UnknownParameterError: The controller has no such joint.
         InvalidCommandError: The controller takes neither set-points nor trajectories.
     """
@@ -198,18 +200,18 @@ def make_reference(
 
 
 def _ticks(count: int, period: float) -> Array:
-    """Return the first times of a clock that begins at 0 [s], shape (count,)."""
+    """Return the times of the first cycles, from 0 [s], shape (count,)."""
     return np.array([tick * period for tick in range(count)])
 
 
 def _begin(facade: Station, controller: str, element: SetPointElement) -> float:
-    """Return the value of a set-point at which nothing moves.
+    """Return the value of a set-point's element at which nothing moves.
 
     Raises:
-        ExperimentError: The set-point is the position of no joint.
+        ExperimentError: The element is a position, but not of a joint.
     """
     if element.unit not in POSITION_UNITS:
-        return 0.0  # no velocity, no effort
+        return 0.0  # zero velocity or zero effort
     names = facade.joint_names
     if element.name in names:
         return facade.latest().position[names.index(element.name)]
@@ -221,7 +223,7 @@ def _begin(facade: Station, controller: str, element: SetPointElement) -> float:
 
 
 def _column(motion: Motion, names: list[str]) -> int:
-    """Return the index of the set-point's element that a motion moves.
+    """Return the index of the element of the set-point that a motion changes.
 
     Raises:
         UnknownParameterError: The controller has no such joint.
@@ -239,7 +241,7 @@ def _measured(facade: Station, joint: str) -> int:
     """Return the index of a measured joint.
 
     Raises:
-        UnknownParameterError: The robot does not measure it.
+        UnknownParameterError: The robot does not measure this joint.
     """
     if joint not in facade.joint_names:
         raise UnknownParameterError(

@@ -12,19 +12,19 @@ from station.trials.excitations import Array
 _FEWEST_PERIODS = 3
 _HARMONICS = (1, 3, 5)
 _POOR_FIT = 0.01
-"""Share of the relay's power that a model may leave unexplained: one of a joint whose
-friction is mostly dry leaves more, and then the first harmonic alone is used."""
+"""Share of the relay's power that a model may leave unexplained. A joint with mostly
+dry friction leaves more; then only the first harmonic is used."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A rule that makes gains of the ultimate gain Ku and period Tu.
+    """A rule that computes gains from the ultimate gain Ku and period Tu.
 
     Attributes:
         title: Name for people.
-        p: p over Ku.
-        integral: Integral time over Tu; 0 without an integral.
-        derivative: Derivative time over Tu; 0 without a derivative.
+        p: Ratio of p to Ku.
+        integral: Ratio of the integral time to Tu; 0 without an integral.
+        derivative: Ratio of the derivative time to Tu; 0 without a derivative.
         source: Publication.
     """
 
@@ -68,9 +68,10 @@ def relay_figures(output: Array, position: Array, period: float) -> dict[str, fl
     """Return the figures of the oscillation under a relay.
 
     The harmonics of command and position give the plant's response at the frequency of
-    the oscillation and its odd multiples, exactly for a linear plant. Where the phase
-    is not -180 degrees there (a relay is no sine, and has hysteresis), a model of
-    second order with a delay goes through them, and the ultimate point is the model's.
+    the oscillation and its odd multiples, exactly for a linear plant. If the phase
+    there is not -180 degrees (a relay is not a sine, and has hysteresis), a model of
+    second order with a delay is fitted to these responses, and the ultimate point is
+    that of the model.
 
     Args:
         output: Commands of the controller, shape (n,).
@@ -91,7 +92,7 @@ def relay_figures(output: Array, position: Array, period: float) -> dict[str, fl
     begin, end, periods = found
     tu = (end - begin) * period / periods
     first, last = math.ceil(begin), math.ceil(end)
-    # Each sample weighs as much as of it lies within the whole periods.
+    # The weight of a sample is the share of it that lies within whole periods.
     weight = np.ones(last - first)
     weight[0], weight[-1] = 0.5 + first - begin, 0.5 + end - (last - 1)
     place = 2.0 * math.pi * np.arange(first, last) * period / tu
@@ -115,7 +116,7 @@ def relay_figures(output: Array, position: Array, period: float) -> dict[str, fl
 
 
 def _whole_periods(position: Array) -> tuple[float, float, int] | None:
-    """Return begin, end [samples] and number of the periods of the latter half."""
+    """Return begin and end [samples] and number of the whole periods at the end."""
     late = position[len(position) // 3 :]
     if len(late) < 8:
         return None
@@ -123,7 +124,8 @@ def _whole_periods(position: Array) -> tuple[float, float, int] | None:
     band = 0.2 * float(np.ptp(late))
     crossings, is_low = [], False
     for i, (before, value) in enumerate(pairwise(late.tolist())):
-        # Noise about the middle is no crossing: the joint must have been below.
+        # Noise around the middle must not count as a crossing: the joint must have been
+        # below a band first.
         is_low = is_low or before < middle - band
         if is_low and before < middle <= value:
             share = (middle - before) / (value - before)
@@ -135,7 +137,7 @@ def _whole_periods(position: Array) -> tuple[float, float, int] | None:
 
 
 def _modelled(omega: Array, u: Array, y: Array) -> tuple[float, float] | None:
-    """Return Ku and Tu of the model through the harmonics; None if there is none."""
+    """Return Ku and Tu of a model fitted to the harmonics; None if none fits."""
     best: tuple[float, float, Array] | None = None
     longest = math.pi / omega[0]
     for delay in np.linspace(0.0, longest, 400).tolist():

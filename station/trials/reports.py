@@ -1,4 +1,4 @@
-"""The API's reports on experiments, from their files and the running one."""
+"""Make the API's reports on experiments, from their files and the running process."""
 
 import math
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from station.wire.experiments import (
 )
 
 _POINTS = 400
-"""Most points in time of a response."""
+"""Most times of a response."""
 
 
 def summary_of(results: Results, state: RunState | None) -> ExperimentSummary:
@@ -30,7 +30,8 @@ def summary_of(results: Results, state: RunState | None) -> ExperimentSummary:
 
     Args:
         results: The experiment.
-        state: That of the experiment that this station runs or ran last.
+        state: Progress of the experiment that this station runs or ran last; None
+            before any.
     """
     return ExperimentSummary.model_validate(_summary(results, state))
 
@@ -40,7 +41,8 @@ def experiment_of(results: Results, state: RunState | None) -> Experiment:
 
     Args:
         results: The experiment.
-        state: That of the experiment that this station runs or ran last.
+        state: Progress of the experiment that this station runs or ran last; None
+            before any.
     """
     first, best = first_of(results), best_of(results)
     return Experiment.model_validate({
@@ -53,13 +55,13 @@ def experiment_of(results: Results, state: RunState | None) -> Experiment:
 
 
 def trials_of(results: Results, rows: Sequence[Row]) -> ExperimentTrials:
-    """Return some trials of an experiment."""
+    """Return the report on some trials of an experiment."""
     trials = [ExperimentTrial.model_validate(_trial(row)) for row in rows]
     return ExperimentTrials(trials=trials, ended=results.count())
 
 
 def responses_of(results: Results) -> ExperimentResponses:
-    """Return the responses of an experiment that are worth looking at."""
+    """Return the responses of the trials that were kept cycle by cycle."""
     first, best = first_of(results), best_of(results)
     roles: dict[str, Literal["first", "best", "worst"]] = {}
     if best is not None:
@@ -77,7 +79,7 @@ def responses_of(results: Results) -> ExperimentResponses:
 
 
 def chosen_trial(results: Results, trial: str | None) -> Trial:
-    """Return a trial by its hash; the best one when that is None.
+    """Return a trial by its hash; the best trial if the hash is None.
 
     Raises:
         ExperimentError: No trial is done.

@@ -1,4 +1,4 @@
-"""The results of an experiment in one SQLite file, a row as each trial ends."""
+"""Keep the results of an experiment in an SQLite file, one row per ended trial."""
 
 import json
 import os
@@ -70,16 +70,16 @@ def default_folder() -> Path:
 
 
 def names(folder: Path | None = None) -> list[str]:
-    """Return the names of all experiments in a folder, the user's own when None."""
+    """Return the names of all experiments in a folder, by default the user's own."""
     found = (folder or default_folder()).glob(f"*{_SUFFIX}")
     return sorted(p.stem for p in found if _NAME.fullmatch(p.stem) and p.is_file())
 
 
 def name_of_now(kind: str) -> str:
-    """Return a name for an experiment that has none, by its kind and the time in UTC.
+    """Return a name for an experiment without one, of its kind and the time in UTC.
 
-    It ends in microseconds: two experiments that begin in the same second must not get
-    into one file.
+    The name has microseconds, because two experiments that begin in the same second
+    must not share a file.
     """
     return f"{kind}-{datetime.now(UTC):%Y%m%d-%H%M%S-%f}"
 
@@ -88,7 +88,7 @@ def file_of(name: str, folder: Path | None = None) -> Path:
     """Return the file of an experiment.
 
     Raises:
-        ExperimentNotFoundError: No experiment can have that name.
+        ExperimentNotFoundError: The name is not allowed for an experiment.
     """
     if not _NAME.fullmatch(name):
         raise ExperimentNotFoundError(
@@ -104,15 +104,16 @@ def is_written(path: Path) -> bool:
 
 
 def _lock_of(path: Path) -> Path:
-    # A file of its own: SQLite loses its locks when the program closes its file.
+    # A separate file: closing another descriptor of the database's file would release
+    # SQLite's locks.
     return path.with_suffix(".lock")
 
 
 class Results:
-    """The file of one experiment; one process writes it, any may read it.
+    """The file of one experiment. One process writes it, every process may read it.
 
-    Every row is a transaction of its own: a process that is killed loses the trials
-    that have not ended, and nothing else.
+    Every row is a transaction of its own, so a process that is killed loses only the
+    trials that have not ended.
 
     Use `create` or `open`.
 
@@ -120,7 +121,7 @@ class Results:
         path: The file.
         kind: Kind of experiment: `sweep`, `robustness`, `tune` …
         setup: The configuration that all trials share.
-        plan: Other settings that the experiment was started with, as plain data.
+        plan: Further settings with which the experiment was started, as plain data.
     """
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
@@ -135,13 +136,13 @@ class Results:
     def create(
         cls, path: Path, kind: str, setup: Setup, plan: Mapping[str, object]
     ) -> Self:
-        """Make the file, or go on with one of the same experiment.
+        """Create the file, or go on with the file of the same experiment.
 
         Args:
             path: The file.
             kind: Kind of experiment.
             setup: The configuration that all trials share.
-            plan: Other settings of the experiment, as plain data.
+            plan: Further settings of the experiment, as plain data.
 
         Raises:
             ExperimentError: The file holds another experiment, or cannot be written.
@@ -160,7 +161,8 @@ class Results:
             )
         try:
             make_private_folder(path.parent)
-            # Under another name first: nobody finds a file without its tables.
+            # Create it under another name first, so that no reader finds a file without
+            # tables.
             part = path.with_suffix(f".{os.getpid()}.part")
             part.unlink(missing_ok=True)
             with closing(sqlite3.connect(part)) as connection, connection:
@@ -186,7 +188,7 @@ class Results:
 
         Raises:
             ExperimentNotFoundError: There is no such file.
-            ExperimentError: The file is no file of an experiment.
+            ExperimentError: The file is not that of an experiment.
         """
         if not path.is_file():
             raise ExperimentNotFoundError(
@@ -203,7 +205,7 @@ class Results:
     def differs_in(
         self, kind: str, setup: Setup, plan: Mapping[str, object]
     ) -> list[str]:
-        """Return the differences that another start of this experiment would have."""
+        """Return the settings in which a new start differs from this experiment."""
         mine = {**self.plan, "kind": self.kind, "configuration": self.setup.text}
         other = {**plan, "kind": kind, "configuration": setup.text}
         return [
@@ -224,10 +226,10 @@ class Results:
 
     @contextmanager
     def running(self) -> Iterator[None]:
-        """Keep other processes from running or deleting it in the body of a `with`.
+        """Keep other processes from running or deleting it in a `with` body.
 
         Raises:
-            ExperimentError: Another process runs it.
+            ExperimentError: Another process runs the experiment.
         """
         lock = _locked(self.path)
         try:
@@ -239,7 +241,7 @@ class Results:
         """Close the file and delete it.
 
         Raises:
-            ExperimentError: A process writes it, or it cannot be deleted.
+            ExperimentError: A process writes the file, or the file cannot be deleted.
         """
         self.close()
         lock = _locked(self.path)
@@ -257,7 +259,7 @@ class Results:
         """Keep the result of a trial; return whether the trial is new.
 
         Raises:
-            ExperimentError: The file cannot be written; its rows stay whole.
+            ExperimentError: The file cannot be written; the rows in it stay sound.
         """
         return self.add_all([(trial, result)])[0]
 
@@ -265,10 +267,10 @@ class Results:
         """Keep the results of several trials, all or none.
 
         Returns:
-            Whether each was not there before.
+            For each trial, whether it is new.
 
         Raises:
-            ExperimentError: The file cannot be written; its rows stay whole.
+            ExperimentError: The file cannot be written; the rows in it stay sound.
         """
         with self._writing():
             return [self._insert(trial, result) for trial, result in ended]
@@ -286,11 +288,11 @@ class Results:
         return done.rowcount == 1
 
     def set_outcome(self, state: str, reason: str = "") -> None:
-        """Note how the experiment goes.
+        """Note the state of the experiment.
 
         Args:
             state: `running`, `done`, `cancelled` or `failed`.
-            reason: Why it ended; empty when there is nothing to say.
+            reason: Why it ended; empty without a reason.
 
         Raises:
             ExperimentError: The file cannot be written.
@@ -302,7 +304,7 @@ class Results:
             )
 
     def outcome(self) -> tuple[str, str]:
-        """Return the state that was noted last, and its reason; both may be empty."""
+        """Return the last noted state, and its reason; both may be empty."""
         found = dict(self._connection.execute("SELECT key, value FROM about"))
         noted = json.loads(found.get("outcome", "{}"))
         return noted.get("state", ""), noted.get("reason", "")
@@ -335,20 +337,21 @@ class Results:
         return list(self._rows("", ()))
 
     def rows_after(self, number: int, count: int) -> list[Row]:
-        """Return trials after a given number, in the order in which they ended."""
+        """Return `count` trials after a number, in the order of ending."""
         where = "WHERE number > ?"
         return list(islice(self._rows(where, (number,)), count))
 
     def find(self, trial_hash: str) -> TrialResult | None:
-        """Return the result of a trial; None when it has not ended."""
+        """Return the result of a trial; None if it has not ended."""
         found = next(self._rows("WHERE hash = ?", (trial_hash,)), None)
         return None if found is None else found.result
 
     def trial(self, trial_hash: str) -> Trial:
-        """Return a trial by its hash or the beginning of it.
+        """Return a trial by its hash, or by the first characters of the hash.
 
         Raises:
-            ExperimentNotFoundError: No trial, or more than one, begins so.
+            ExperimentNotFoundError: No trial, or more than one, has a hash that begins
+                so.
         """
         found = self._connection.execute(
             "SELECT trial FROM trials WHERE substr(hash, 1, ?) = ? LIMIT 2",
@@ -363,16 +366,16 @@ class Results:
         return Trial.from_json(self.setup, found[0][0])
 
     def count(self, state: State | None = None) -> int:
-        """Return the number of ended trials, optionally in a certain state."""
+        """Return the number of ended trials, or of those in one state."""
         query = "SELECT COUNT(*) FROM trials WHERE ? IS NULL OR state = ?"
         (count,) = self._connection.execute(query, (state, state)).fetchone()
         return int(count)
 
     def keep_recording(self, trial_hash: str, trace: Trace) -> None:
-        """Keep every cycle of a trial.
+        """Save every cycle of a trial.
 
         Raises:
-            ExperimentError: The file cannot be written; its rows stay whole.
+            ExperimentError: The file cannot be written; the rows in it stay sound.
         """
         with self._writing():
             self._connection.execute(
@@ -381,7 +384,7 @@ class Results:
             )
 
     def drop_recordings(self, keep: Collection[str]) -> None:
-        """Delete the recordings of all other trials than those.
+        """Delete the recordings of all trials that are not in `keep`.
 
         Raises:
             ExperimentError: The file cannot be written.
@@ -427,7 +430,7 @@ def _locked(path: Path) -> int:
     """Return a descriptor that keeps other processes from writing a file.
 
     Raises:
-        ExperimentError: Another process writes it, or the folder cannot be used.
+        ExperimentError: Another process writes the file, or the folder cannot be used.
     """
     try:
         flags = os.O_CREAT | os.O_RDWR | os.O_NOFOLLOW

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Trace:
-    """The cycles of a trial, k of them, for the n joints of its controller.
+    """The k cycles of a trial, for the n joints of its controller.
 
     Attributes:
         joints: Names of the joints.
@@ -26,10 +26,11 @@ class Trace:
         position: Measured positions [rad or m], shape (k, n).
         velocity: Measured velocities [rad/s or m/s], shape (k, n).
         effort: Measured efforts [Nm or N], shape (k, n).
-        desired: Set-points of the controller [its unit], shape (k, n); NaN in cycles in
-            which it did not run.
-        error: Differences from them, as the controller computes them, shape (k, n).
-        output: Its commands [unit of its interface], shape (k, n).
+        desired: Set-points of the controller [unit of the set-point], shape (k, n); NaN
+            in cycles in which it did not run.
+        error: Control errors as the controller computes them [unit of the set-point],
+            shape (k, n).
+        output: Commands of the controller [unit of its interface], shape (k, n).
     """
 
     joints: tuple[str, ...]
@@ -74,7 +75,7 @@ class Trace:
 
 
 def read_trace(path: Path) -> Trace:
-    """Return the motion in a file.
+    """Return the trace in a file.
 
     Raises:
         ExperimentError: The file cannot be read.
@@ -99,8 +100,8 @@ class TraceRecorder:
         controller: The controller, which is loaded.
 
     Attributes:
-        reflexes: How often an arm fell into its reflex.
-        lost: Cycles that were overwritten before they were taken.
+        reflexes: Number of reflexes of arms.
+        lost: Cycles that the ring overwrote before they were read.
     """
 
     def __init__(self, facade: Station, controller: str) -> None:
@@ -116,7 +117,7 @@ class TraceRecorder:
         self.lost = 0
 
     def take(self) -> None:
-        """Take the cycles since the last call; the ring keeps 4096."""
+        """Read the cycles since the last call from the ring, which keeps 4096."""
         rows = self._facade.snapshots.rows_since(self._cycle)
         self.lost += rows.lost
         if not rows.modes:
@@ -130,11 +131,11 @@ class TraceRecorder:
         self._parts.append((rows.numbers[:, 2], states, samples))
 
     def trace(self, *, is_live: bool = False) -> Trace:
-        """Return everything taken so far, one cycle at least.
+        """Return the trace so far, with one cycle at least.
 
         Args:
-            is_live: Whether the times are those of the cycles, of which some may be
-                late; a stepped station has one per period.
+            is_live: Whether to use the times of the cycles, some of which may be late;
+                in a stepped station one cycle follows each period.
         """
         period = self._facade.loop.period
         stamps, states, samples = (

@@ -1,7 +1,7 @@
 """A trial as data: configuration, script, parameters and seed; its hash names it.
 
-A script is data of a file; a configuration is kept as text, so that it can travel and
-be compared.
+A script is plain data from a file. A configuration is kept as text, so that it can be
+sent to other machines and compared.
 """
 
 import hashlib
@@ -36,14 +36,15 @@ class Script(BaseModel):
       - {kind: push, link: panda_link7, at: 1.5, lasts: 0.1, force: [0, 10, 0]}
     ```
 
-    All values of motions are offsets from where the joint begins, and add up when
-    several commands name the same joint.
+    All values of motions are offsets from the joint's initial position. Several
+    commands for the same joint add up.
 
     Attributes:
         controller: The controller that is started and commanded.
         duration: Length of the trial [s], > 0.
         commands: Motions of joints; without any, the controller holds.
-        begin: Initial positions [rad or m], by joint; others as at the world's start.
+        begin: Initial positions [rad or m], by joint; other joints begin where the
+            world starts.
         settling_band: Half-width of the band of the settling time, as a share of the
             step's amplitude, 0 to 1.
     """
@@ -75,7 +76,7 @@ def parse_script(data: object, source: str = "script") -> Script:
         source: Name of the file in an error.
 
     Raises:
-        ExperimentError: The data are no script, and every reason why.
+        ExperimentError: The data are not a script; the message has every reason.
     """
     try:
         return Script.model_validate(data)
@@ -95,7 +96,7 @@ def read_script(path: Path) -> Script:
     """Return the script in a YAML file.
 
     Raises:
-        ExperimentError: The file cannot be read or holds no script.
+        ExperimentError: The file cannot be read, or does not hold a script.
     """
     try:
         data = read_yaml(path).values
@@ -105,13 +106,13 @@ def read_script(path: Path) -> Script:
 
 
 _NOT_OF_A_TRIAL = ("api", "ui", "watchdog")
-"""Sections that serve and draw. They stay at their defaults: a trial has neither, and
-the token of a server must not travel or be stored with results."""
+"""Sections of servers. They keep their defaults, because a trial runs no server, and
+the token of a server must not be sent or stored with results."""
 
 
 @dataclass(frozen=True)
 class Setup:
-    """A station's whole configuration, with the files that it named read in.
+    """A station's whole configuration, with the content of the files that it names.
 
     Paths of URDFs and meshes stay paths: every machine that runs trials needs them.
 
@@ -129,7 +130,7 @@ class Setup:
         controllers: Sequence[Path | str] = (),
         settings: Mapping[str, object] | None = None,
     ) -> Self:
-        """Return the setup of a configuration; the arguments are `station.open`'s.
+        """Return the setup of a configuration; arguments as for `station.open`.
 
         Raises:
             ConfigError: A file cannot be read, or a value is not allowed.
@@ -143,7 +144,7 @@ class Setup:
 
     @classmethod
     def of(cls, config: StationConfig) -> Self:
-        """Return the setup of a configuration that is loaded already."""
+        """Return the setup of a loaded configuration."""
         values = config.model_dump(mode="json", exclude=set(_NOT_OF_A_TRIAL))
         values["parameters"] = config.parameters
         return cls(canonical(values))
@@ -152,13 +153,13 @@ class Setup:
         """Return the setup with the controllers that a station has loaded.
 
         Args:
-            loaded: Their parameters by name, `type` among them. They replace those of
-                the configuration that have the same name.
+            loaded: Parameters of each controller, `type` among them, by name. They
+                replace controllers of the same name in the configuration.
         """
         values = json.loads(self.text)
         values["controllers"] = {
             **values.get("controllers", {}),
-            # As a configuration with these controllers would have them.
+            # Validated like a configuration with these controllers.
             **{
                 name: Controller.model_validate(parameters).model_dump(mode="json")
                 for name, parameters in loaded.items()
@@ -178,7 +179,7 @@ class Setup:
 
 
 def canonical(data: object) -> str:
-    """Return the one JSON text of some data: sorted keys, no blanks.
+    """Return the canonical JSON text of some data: sorted keys, no blanks.
 
     Raises:
         ValueError: A number is not finite.
@@ -228,7 +229,7 @@ class Trial:
 
     @cached_property
     def hash(self) -> str:
-        """Name of the trial: 16 hexadecimal digits of all that it consists of."""
+        """Name of the trial: 16 hexadecimal digits, computed from all its data."""
         return digest_of(f"{self.setup.digest}{self.to_json()}")
 
     def to_json(self) -> str:
@@ -244,7 +245,7 @@ class Trial:
         """Return the trial that `to_json` wrote.
 
         Raises:
-            ExperimentError: The text holds no trial.
+            ExperimentError: The text does not hold a trial.
         """
         data = json.loads(text)
         script = parse_script(data["script"])
@@ -253,7 +254,7 @@ class Trial:
     def with_parameters(
         self, changes: Mapping[str, float], seed: int | None = None
     ) -> Self:
-        """Return the trial with other parameters, and another seed if one is given."""
+        """Return the trial with changed parameters, and with another seed if given."""
         return replace(
             self,
             parameters={**self.parameters, **changes},
@@ -266,12 +267,13 @@ class TrialResult:
     """The result of a trial.
 
     Attributes:
-        hash: The trial's.
-        state: `done`, or `failed` when the robot or the controller gave up or the
-            trial was refused; the metrics are then those of the time before.
+        hash: Hash of the trial.
+        state: `done`; or `failed` when the robot or the controller stopped with a
+            fault, or the trial was refused. The metrics of a failed trial are those of
+            the time before.
         reason: Why it failed; None when it is done.
-        metrics: By name, finite numbers only; a metric that the script has no use for
-            is left out.
+        metrics: Metrics by name, finite numbers only; metrics that do not apply to the
+            script are left out.
         seconds: Wall time of the trial [s].
         worker: Host and process that ran the trial.
     """

@@ -1,1 +1,1 @@
-"""Suites of tests that hold robots, controllers and arms to their contracts."""
+"""Suites that test the contracts of robots, controllers and arms."""

@@ -35,7 +35,7 @@ MODES = [
 ]
 LOST = "communication_constraints_violation"
 
-# Method of each command, how many numbers it takes, and the modes that take it.
+# The method of each command, the number of its arguments, and the modes that accept it.
 COMMANDS = {
     "command_joint_torques": (7, (EXTERNAL, NONE)),
     "command_joint_positions": (7, (JOINT, POSITION)),
@@ -61,7 +61,7 @@ def hold(arm: RobotArm) -> None:
 
 
 def lose(arm: RobotArm, packets: int) -> None:
-    """Begin a motion that rests, and lose commands in a row."""
+    """Begin a motion at rest, and omit commands of several cycles in a row."""
     arm.start_motion(JOINT, POSITION)
     hold(arm)
     for _ in range(packets):
@@ -74,7 +74,7 @@ def mode_of(arm: RobotArm) -> RobotMode:
 
 
 class ArmConformance:
-    """Holds an arm to the contract of `RobotArm`.
+    """Tests that an arm keeps the contract of `RobotArm`.
 
     Derive a test class and override the fixture `arm`.
     """

@@ -33,7 +33,7 @@ def controller_of(bench: Bench) -> ControllerBase:
 
 
 def set_points_of(bench: Bench) -> SetPointPort:
-    """Return the source of the controller's set-points."""
+    """Return the port of the controller's set-points."""
     port = controller_of(bench).set_points
     assert port is not None
     return port
@@ -50,7 +50,7 @@ def stop(bench: Bench) -> SwitchResult:
 
 
 def status(bench: Bench) -> ControllerStatus:
-    """Return the status of the controller, for people."""
+    """Return the status of the controller."""
     return bench.status(NAME)
 
 
@@ -62,24 +62,24 @@ def positions(bench: Bench) -> dict[str, float]:
 
 
 def let_pass(bench: Bench, duration: float) -> None:
-    """Let wall time pass [s]."""
+    """Let wall time pass [s], without running cycles."""
     bench.clock.sleep_until(bench.clock.now() + duration)
 
 
 class ControllerConformance:
-    """Holds a controller to the contract of `ControllerBase`.
+    """Tests that a controller keeps the contract of `ControllerBase`.
 
     Derive a test class, and name the controller and its parameters in it.
 
     Attributes:
-        controller: Its class, or its type.
+        controller: Class of the controller, or its type.
         parameters: Its parameters.
         robot: Class of the robot on which it runs.
         robot_parameters: Parameters of the robot.
         root_parameters: Parameters of the root namespace, e.g. `robot_description`.
         obeys_command_timeout: Whether the controller has the parameters
             `command_timeout` and `command_timeout_action`.
-        sag: How far a joint may move after the start [rad or m].
+        sag: How far a joint may move after the start of the controller [rad or m].
     """
 
     controller: str | type[ControllerBase]
@@ -91,16 +91,16 @@ class ControllerConformance:
     sag = 0.002
 
     def make_robot_bench(self) -> Bench:
-        """Return a bench with the robot, on which nothing is loaded."""
+        """Return a bench with the robot and without controllers."""
         return Bench(
             self.robot(), self.robot_parameters, root_parameters=self.root_parameters
         )
 
     def resting_set_point(self, bench: Bench) -> list[float]:
-        """Return a set-point with which hardly anything moves.
+        """Return a set-point at which the robot hardly moves.
 
-        The default is the present position of a joint whose name and unit an element
-        has, and zero for everything else.
+        For an element with the name and the unit of a joint this is the joint's
+        position, for every other element 0.
         """
         now = positions(bench)
         return [
@@ -127,7 +127,7 @@ class ControllerConformance:
         return load()
 
     def needs_command_timeout(self, bench: Bench) -> None:
-        """Leave a test out that asks for a timeout of set-points."""
+        """Skip a test of timeouts if the controller has no timeout of set-points."""
         if not self.obeys_command_timeout or controller_of(bench).set_points is None:
             pytest.skip("has no timeout of set-points")
 

@@ -28,7 +28,7 @@ def interfaces(bench: Bench) -> list[HardwareResourceManager[ResourceHandle]]:
 
 
 def commandable(bench: Bench) -> list[tuple[str, list[str]]]:
-    """Return (wire name, resources) of every interface with commands."""
+    """Return the wire name and the resources of every interface with commands."""
     return [
         (interface.type_name, interface.get_names())
         for interface in interfaces(bench)
@@ -52,7 +52,7 @@ def states(bench: Bench) -> list[tuple[float, float, float]]:
 
 
 class RobotConformance:
-    """Holds a robot to the contract of `RobotHW`.
+    """Tests that a robot keeps the contract of `RobotHW`.
 
     Derive a test class, and name the robot and its parameters in it; or override the
     fixture `bench`.
@@ -61,9 +61,9 @@ class RobotConformance:
         robot: Class of the robot.
         parameters: Its parameters.
         root_parameters: Parameters of the root namespace, e.g. `robot_description`.
-        joints: Joints that it must have; those that it has if there are none.
-        impossible: Parameters that it must refuse.
-        sag: How far a joint may move while nothing runs [rad or m].
+        joints: Joints that the robot must have; empty accepts the joints that it has.
+        impossible: Parameters that the robot must refuse.
+        sag: How far a joint may move while no controller runs [rad or m].
     """
 
     robot: type[RobotHW]
@@ -178,7 +178,7 @@ class RobotConformance:
         assert all(math.isfinite(value) for row in states(bench) for value in row)
 
     def test_its_components_go_through_their_states(self, bench: Bench) -> None:
-        """Each is switched off, cleaned up and brought back, while cycles go on."""
+        """Switch off, clean up and activate each component, while cycles go on."""
         manager = bench.manager
         components = manager.hardware_components()
         assert components

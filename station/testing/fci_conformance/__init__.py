@@ -1,4 +1,4 @@
-"""Checks of any robot's side of the Franka Control Interface, as a matrix.
+"""Check a robot's side of the Franka Control Interface, and print a matrix of results.
 
 ```sh
 station fci check 127.0.0.1                 # reads, and moves nothing
@@ -8,5 +8,5 @@ pytest -p station.testing.fci_conformance.plugin --fci 127.0.0.1 \
 ```
 
 The endpoint may be this project's server, another simulator or a real arm. The checks
-know it by its answers alone, through a client of their own (`dialog`).
+use only its answers to a client of their own (`dialog`).
 """

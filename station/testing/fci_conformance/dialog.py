@@ -1,7 +1,8 @@
-"""One client of an endpoint: its requests, the states, and motions in time with them.
+"""A client of an endpoint: it sends requests, reads states and commands motions.
 
 Source: libfranka@0.15.0 src/robot_impl.cpp, src/control_loop.cpp, the order of requests
-and answers; differs: nothing is limited or filtered, and every answer is reported.
+and answers; differs: the client neither limits nor filters commands, and reports every
+answer.
 """
 
 import time
@@ -33,18 +34,20 @@ State: TypeAlias = Mapping[str, Any]
 Fields: TypeAlias = Mapping[str, Any]
 """Fields of a command; those that are left out are zero."""
 Stream: TypeAlias = Callable[[int, State], Fields | None]
-"""Returns the command of a cycle, counted from 0; None for silence."""
+"""Function of a cycle (from 0) and its state that returns the command; None sends none.
+"""
 Verdict: TypeAlias = tuple[bool, object]
-"""Whether a check holds, and what it has seen."""
+"""Whether a check holds, and the behaviour that it has seen."""
 
 WAIT = 1.0
 """Longest wait for an answer, or for a state, as libfranka's own [s]."""
 LONGEST_END = 3.0
 """Longest wait for the end of a motion and of a recovery [s]."""
 _REFUSED_FOR = 2.0
-"""How long a connection may be refused after the last client has gone [s]."""
+"""Longest time for which an endpoint may refuse a client after the last one has left
+[s]."""
 _PAUSE = 0.02
-_SLOWEST = 10.0  # so many times longer than real a simulated motion may take
+_SLOWEST = 10.0  # largest ratio of a simulated motion's wall time to its own time
 _ROOM = 8192
 _DEVIATIONS = (10.0, 3.12, 6.283)
 
@@ -68,14 +71,14 @@ class Motion:
     stream: Stream
 
     def without(self, is_left_out: Callable[[int], bool]) -> "Motion":
-        """Return the motion with silence in some cycles."""
+        """Return the motion without the commands of some cycles."""
         stream = self.stream
         return replace(
             self, stream=lambda n, s: None if is_left_out(n) else stream(n, s)
         )
 
     def watched(self, look: Callable[[int, State], object]) -> "Motion":
-        """Return the motion with a call before each command."""
+        """Return the motion with a call of `look` before each command."""
         stream = self.stream
 
         def watch(cycle: int, state: State) -> Fields | None:
@@ -91,9 +94,9 @@ class Outcome:
 
     Attributes:
         started: The first answer to Move.
-        ended: The second one; None if none came.
+        ended: The second answer to Move; None if none came.
         first: The first state that showed the motion; None without one.
-        last: The newest state before the end, and after it.
+        last: The newest state: before the end, and afterwards after the end.
         errors: Names of the errors that ended the motion.
         lowest_rate: Lowest success rate of the states from the 100th cycle on.
     """
@@ -107,7 +110,7 @@ class Outcome:
 
     @property
     def is_success(self) -> bool:
-        """Return whether the motion has ended as its client asked for."""
+        """Return whether the motion has ended as its client asked."""
         return self.ended == MoveStatus.SUCCESS
 
     @property
@@ -140,12 +143,12 @@ def words(kind: type[IntEnum], status: int) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """The address of a robot, and the allowed checks.
+    """The address of a robot, the version of its protocol, and whether it may move.
 
     Attributes:
         host: Name or address.
         port: TCP port.
-        protocol: The version that is spoken.
+        protocol: The version of the protocol.
         may_move: Whether the arm may be moved.
     """
 
@@ -155,7 +158,7 @@ class Endpoint:
     may_move: bool = False
 
     def open(self) -> "Dialog":
-        """Return a client that has connected and has seen a state.
+        """Return a client that has connected and has received a state.
 
         Raises:
             OSError: The port is closed, or no answer comes; a `FciNetworkError`.
@@ -172,7 +175,7 @@ class Endpoint:
 
 
 def open_network(host: str, port: int) -> FciNetwork:
-    """Return the sockets to an endpoint that may not yet listen again.
+    """Return the sockets to an endpoint, which may need a moment to listen again.
 
     Raises:
         FciNetworkError: The port stays closed for 2 s.
@@ -193,11 +196,13 @@ def find_protocol(host: str, port: int, wanted: int | None) -> RobotProtocol:
     Args:
         host: Its name or address.
         port: Its TCP port.
-        wanted: The version; None for the newest of those that have a table.
+        wanted: The version; None for the newest version that this project has a table
+            for.
 
     Raises:
         FciNetworkError: The endpoint does not answer.
-        FciSilenceError: It does not speak the version, or none that has a table.
+        FciSilenceError: The endpoint does not speak the version, or speaks none with a
+            table.
     """
     told = 0
     for asked in sorted(PROTOCOLS, reverse=True) if wanted is None else [wanted]:
@@ -211,7 +216,7 @@ def find_protocol(host: str, port: int, wanted: int | None) -> RobotProtocol:
 
 
 def ask_version(host: str, port: int, version: int) -> tuple[int, int]:
-    """Return the status of Connect for a version, and the version that was answered.
+    """Return the status of Connect for a version, and the version in the answer.
 
     Raises:
         FciNetworkError: The endpoint does not answer.
@@ -227,19 +232,19 @@ def ask_version(host: str, port: int, version: int) -> tuple[int, int]:
 
 
 class Dialog:
-    """A client that is connected. One thread.
+    """A connected client. Only one thread may use it.
 
     Args:
         network: The sockets.
-        protocol: The version that is spoken.
+        protocol: The version of the protocol.
 
     Attributes:
         network: The sockets.
-        protocol: The version that is spoken.
-        client: Asks, and keeps the answers.
+        protocol: The version of the protocol.
+        client: Sends requests, and keeps the answers.
         state: The newest state.
-        sizes: The sizes of the datagrams that have come [bytes].
-        late: How many states of motions this client has not answered in time.
+        sizes: The sizes of the datagrams that were received [bytes].
+        late: Number of states during motions that this client has not answered in time.
     """
 
     def __init__(self, network: FciNetwork, protocol: RobotProtocol) -> None:
@@ -252,7 +257,7 @@ class Dialog:
         self._buffer = bytearray(_ROOM)
 
     def connect(self) -> None:
-        """Connect with the version.
+        """Connect, and agree on the version.
 
         Raises:
             FciNetworkError: No answer comes.
@@ -261,7 +266,7 @@ class Dialog:
         self.client.connect()
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         self.network.close()
 
     def ask(self, command: Command, **values: object) -> RobotAnswer:
@@ -269,7 +274,7 @@ class Dialog:
         return self.client.ask(command, values)
 
     def expect(self, command: Command, wanted: IntEnum, **values: object) -> Verdict:
-        """Send a request; return whether its status is the wanted one, and which it is.
+        """Send a request; return whether its status is the wanted one, and the status.
 
         Args:
             command: The command.
@@ -282,10 +287,11 @@ class Dialog:
     def next_state(self) -> State:
         """Wait for a state that is newer than the last one, and return it.
 
-        Of states that are there already the newest one alone counts, as in libfranka.
+        If several states have already come, it returns the newest one, as libfranka
+        does.
 
         Raises:
-            FciSilenceError: None comes for a second.
+            FciSilenceError: No state comes within a second.
         """
         deadline = time.monotonic() + WAIT
         layout = self.protocol.state
@@ -307,9 +313,9 @@ class Dialog:
         raise FciSilenceError(f"no newer state within {WAIT:g} s")
 
     def _drain(self) -> tuple[int, int]:
-        """Take the datagrams that are there; return the last one's size, their number.
+        """Read all datagrams; return the size of the last one, and their number.
 
-        The last one stays in the buffer.
+        The last datagram stays in the buffer.
         """
         size = count = 0
         while found := self.network.poll(self._buffer):
@@ -327,7 +333,7 @@ class Dialog:
         return self.next_state()
 
     def wait_until(self, holds: Callable[[State], bool], most: float) -> bool:
-        """Read states until one fulfils a condition; return whether one has.
+        """Read states until one meets a condition; return whether one does.
 
         Args:
             holds: The condition.
@@ -363,7 +369,7 @@ class Dialog:
         return number, answer
 
     def _generator(self, motion: Motion) -> MoveGenerator:
-        """Return the generator; torques alone have one of velocities before version 7.
+        """Return the generator; before version 7 a torque motion has one of velocities.
 
         Source: libfranka@0.9.2 src/robot.cpp, Robot::control.
         """
@@ -376,16 +382,18 @@ class Dialog:
     def move(self, motion: Motion, cycles: int, **values: object) -> Outcome:
         """Run a motion to its end, and return its course.
 
-        After the last cycle the motion is finished, unless the stream is silent then.
+        After the last cycle the client finishes the motion, unless the stream returns
+        None then.
 
         Args:
             motion: The motion.
-            cycles: How many cycles it has, as the states count them.
+            cycles: Number of cycles, as the states count them.
             values: Further fields of Move.
 
         Raises:
             FciNetworkError: The endpoint does not answer.
-            FciSilenceError: It sends no states, or does not show the motion.
+            FciSilenceError: The endpoint sends no states, or they do not show the
+                motion.
         """
         number, answer = self.start(motion, **values)
         outcome = Outcome(answer.status)
@@ -424,7 +432,7 @@ class Dialog:
             answer = self.client.take_answer(number)
             if answer is None:
                 before, state = state["message_id"], self.next_state()
-                # A state that waited already came before the last one was answered.
+                # A state that was waiting had come before the last one was answered.
                 self.late += state["message_id"] - before - 1 + (self._waited > 0)
                 answer = self.client.take_answer(number)
             if cycle >= 100 and state["robot_mode"] == RobotMode.MOVE.value:
@@ -433,7 +441,7 @@ class Dialog:
             if answer is not None:
                 outcome.ended = answer.status
                 break
-        # The state with the end may be there, and none before it.
+        # Only the state with the end of the motion may be waiting.
         self.late += max(0, self._drain()[1] - 1)
         if outcome.ended not in (MoveStatus.SUCCESS, None):
             self.wait_until(has_errors, 0.1)

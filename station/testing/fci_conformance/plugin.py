@@ -1,4 +1,4 @@
-"""Options of pytest for the checks, their fixtures, and the matrix of their results."""
+"""A plug-in of pytest: options and fixtures of the checks, and a matrix of results."""
 
 import json
 from collections.abc import Generator, Iterator
@@ -29,7 +29,7 @@ NOT_IN_VERSION = "not in this version"
 MOVES = "skipped: it moves the arm"
 _AREAS = ("reading", "motions", "errors")
 _TRIES = 3
-"""How often a check is made at most in which this side was late."""
+"""Most attempts at a check in which this client was late."""
 
 
 @dataclass(slots=True)
@@ -40,8 +40,8 @@ class Row:
         check: The check, in words.
         area: The group of checks that it belongs to.
         result: `passed`, `failed`, `not in this version`, or why it was skipped.
-        expected: The behaviour that the protocol or libfranka's documents ask for;
-            the docstring of the check unless it says something else.
+        expected: The behaviour that the protocol or libfranka's documents require; by
+            default the docstring of the check.
         seen: The behaviour of the endpoint.
     """
 
@@ -52,11 +52,11 @@ class Row:
     seen: str = ""
 
     def expect(self, expected: str) -> None:
-        """Note the expected event, before it happens."""
+        """Note the expected behaviour."""
         self.expected = expected
 
     def see(self, seen: object) -> None:
-        """Note the observed event."""
+        """Note the observed behaviour."""
         self.seen = str(seen)
 
 
@@ -95,7 +95,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """Find the endpoint's version, if an endpoint is named.
 
     Raises:
-        UsageError: The endpoint does not answer, or speaks no version with a table.
+        UsageError: The endpoint does not answer, or speaks no version that this project
+            has a table for.
     """
     config.addinivalue_line("markers", "moves: a check that moves the arm")
     config.stash[_rows_key] = []
@@ -116,7 +117,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_itemcollected(item: pytest.Item) -> None:
     """Make the row of a check."""
-    # The package's own checks alone: a run may collect other tests, too.
+    # Only the package's own checks get a row: a run may collect other tests, too.
     if not item.module.__name__.startswith(__package__ or ""):  # type: ignore[attr-defined]
         return
     words = item.name.removeprefix("test_").replace("_", " ")
@@ -132,7 +133,7 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 def pytest_collection_modifyitems(
     config: pytest.Config, items: list[pytest.Item]
 ) -> None:
-    """Let checks that read come first, and those that provoke errors last."""
+    """Sort the checks: reading checks first, checks that provoke errors last."""
 
     def place(row: Row | None) -> int:
         return _AREAS.index(row.area) if row is not None and row.area in _AREAS else -1
@@ -143,7 +144,7 @@ def pytest_collection_modifyitems(
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtestloop(session: pytest.Session) -> Generator[None, object, object]:
-    """Keep this side on time, so that its lateness is not taken for the endpoint's."""
+    """Keep this client on time, so that its delays do not count as the endpoint's."""
     if _endpoint_key not in session.config.stash:
         return (yield)
     # A full collection of pytest's garbage takes 40 ms; 20 lost commands are an error.
@@ -156,11 +157,12 @@ def pytest_runtestloop(session: pytest.Session) -> Generator[None, object, objec
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
     """Make a check, and note its verdict.
 
-    A check that failed while this side was late is made again: it says nothing then.
+    A check that fails while this client was late is repeated, because it proves
+    nothing.
 
     Raises:
         AssertionError: The check does not hold.
-        FciSilenceError: The endpoint has not sent the message that a client waits for.
+        FciSilenceError: The endpoint has not sent a message that the client waits for.
     """
     row = pyfuncitem.stash.get(_row_key, None)
     if row is None:
@@ -216,7 +218,7 @@ def dialog(endpoint: Endpoint) -> Iterator[Dialog]:
     opened = endpoint.open()
     yield opened
     if endpoint.may_move and opened.state["robot_mode"] == RobotMode.REFLEX.value:
-        with suppress(OSError, FciSilenceError):  # the check has said it already
+        with suppress(OSError, FciSilenceError):  # the check has reported it already
             recover(opened)
     opened.close()
 
@@ -244,7 +246,7 @@ def pytest_runtest_makereport(
 
 
 def _results(config: pytest.Config) -> list[Row]:
-    """Return the rows of the checks that were selected, and have a result."""
+    """Return the rows of the selected checks that have a result."""
     return [row for row in config.stash[_rows_key] if row.result]
 
 

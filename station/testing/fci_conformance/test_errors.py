@@ -1,6 +1,6 @@
-"""Checks that provoke errors: each by its cause, by its name, and recovered at once.
+"""Checks that provoke each error by its cause, read its name, and recover at once.
 
-An error may have others beside it that the same cause raises; any other one is a
+The same cause may raise further errors, which each case lists; any other error is a
 failure. Source: Franka Control Interface documentation, Errors, and Robot and interface
 specifications; libfranka@0.15.0 include/franka/errors.h.
 """
@@ -51,18 +51,18 @@ LOST = "communication_constraints_violation"
 
 
 def falls_silent(motion: Motion) -> Motion:
-    """Return a motion that ends after the cycles at rest, without a finish."""
+    """Return a motion that falls silent after the cycles at rest."""
     return motion.without(lambda n: n >= QUIET)
 
 
 def fold() -> Motion:
-    """Return positions that fold the arm until the hand comes near a link."""
+    """Return a motion that folds the arm until the hand comes near a link."""
     way = [0.0, 0.0, 0.0, -2.95 - START[3], 0.0, 0.8 - START[5], 0.0]
     return joint_positions(lambda n: [smooth(n / 2500) * one for one in way])
 
 
 def down(acceleration: float, jerk: float, velocity: float) -> Motion:
-    """Return positions of joint 7 that a `ramp` leads away from the start."""
+    """Return a motion of joint 7 away from the start, along a `ramp`."""
     way = ramp(acceleration, jerk, velocity)
     return joint_positions(along(6, lambda n: -way(n)))
 
@@ -73,9 +73,9 @@ class Cause:
 
     Attributes:
         motion: Makes the motion.
-        names: The errors of which at least one has to be raised.
+        names: Errors, at least one of which must be raised.
         beside: Errors that the same cause may raise as well.
-        cycles: How long the motion lasts at most.
+        cycles: Most cycles of the motion.
     """
 
     motion: Callable[[], Motion]
@@ -175,7 +175,7 @@ def test_error_by_its_cause(row: Row, dialog: Dialog, cause: str) -> Verdict:
 
 
 def test_silence_is_noticed_within_100_ms(dialog: Dialog) -> Verdict:
-    """The end of the motion 15 to 100 cycles after the last command."""
+    """The motion ends 15 to 100 cycles after the last command."""
     outcome = dialog.move(falls_silent(hold()), 400)
     begin = outcome.first.get("message_id", 0) + QUIET
     cycles = outcome.last.get("message_id", 0) - begin
@@ -185,7 +185,7 @@ def test_silence_is_noticed_within_100_ms(dialog: Dialog) -> Verdict:
 
 
 def test_motion_in_reflex_is_refused(dialog: Dialog) -> Verdict:
-    """Move in reflex: command not possible rejected."""
+    """Move in reflex is answered with command not possible rejected."""
     outcome = dialog.move(joint_positions(along(6, step(0.005))), 200)
     _, answer = dialog.start(hold())
     holds = answer.status == MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED
@@ -193,7 +193,7 @@ def test_motion_in_reflex_is_refused(dialog: Dialog) -> Verdict:
 
 
 def test_command_that_is_not_finite_ends_the_motion(dialog: Dialog) -> Verdict:
-    """An end that is no success, and no motion of the arm."""
+    """The motion ends without success, and the arm does not move."""
     begin = dialog.state["q"]
     outcome = dialog.move(joint_positions(along(6, step(nan))), 200)
     moved = farthest(dialog.settle()["q"], begin)
@@ -202,7 +202,7 @@ def test_command_that_is_not_finite_ends_the_motion(dialog: Dialog) -> Verdict:
 
 
 def test_load_that_is_not_there_ends_in_a_reflex(row: Row, dialog: Dialog) -> Verdict:
-    """joint_reflex or cartesian_reflex by a load of 2.5 kg that is not there."""
+    """A load of 2.5 kg that is set but absent causes joint_ or cartesian_reflex."""
     inertia = (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01)
     dialog.ask(Command.SET_LOAD, m_load=2.5, I_load=inertia)
     outcome = dialog.move(hold(), 500)
@@ -215,7 +215,7 @@ def test_load_that_is_not_there_ends_in_a_reflex(row: Row, dialog: Dialog) -> Ve
 def test_cartesian_motion_at_a_singular_pose_is_refused(
     row: Row, dialog: Dialog
 ) -> Verdict:
-    """Move answered with start at singular pose rejected."""
+    """Move is answered with start at singular pose rejected."""
     go_to(dialog, (0.0, 0.0, 0.0, -2.3, 0.0, 3.3, START[6]))
     outcome = dialog.move(poses(), 50)
     row.see(outcome)

@@ -1,4 +1,4 @@
-"""Checks that move: every mode, the end of a motion, lost commands, the rate."""
+"""Checks that move the arm: every mode, the end of a motion, lost commands, rates."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -78,7 +78,8 @@ MEANWHILE: dict[str, tuple[Command, type[IntEnum], Sequence[str]]] = {
     "second motion": (Command.MOVE, MoveStatus, ()),
     "setting": (Command.SET_EE_TO_K, SetterStatus, ("EE_T_K",)),
 }
-"""Requests that an arm refuses while it moves, with the fields that are its state's."""
+"""Requests that an arm refuses while it moves, with the fields to take from its state.
+"""
 
 
 @pytest.mark.parametrize(
@@ -89,7 +90,7 @@ MEANWHILE: dict[str, tuple[Command, type[IntEnum], Sequence[str]]] = {
 def test_motion_there_and_back(
     dialog: Dialog, controller: MoveController, motion: str
 ) -> Verdict:
-    """Success, no error, joints within 0.02 rad of where they began."""
+    """The motion succeeds without errors, and ends within 0.02 rad of its start."""
     speeds = [0.0]
     asked = replace(MOTIONS[motion](), controller=controller)
     look = asked.watched(lambda _n, state: speeds.extend(map(abs, state["dq_d"])))
@@ -101,7 +102,7 @@ def test_motion_there_and_back(
 
 
 def test_motion_goes_where_it_is_told(dialog: Dialog) -> Verdict:
-    """Joint 7 ends 0.08 rad further, within 0.01 rad."""
+    """Joint 7 ends 0.08 rad from its start, within 0.01 rad."""
     motion = joint_positions(along(6, lambda n: 0.08 * smooth(n / TIME)))
     outcome = dialog.move(motion, TIME + REST)
     moved = dialog.settle()["q"][6] - outcome.first["q"][6]
@@ -110,14 +111,14 @@ def test_motion_goes_where_it_is_told(dialog: Dialog) -> Verdict:
 
 
 def test_torques_hold_without_a_generator(dialog: Dialog) -> Verdict:
-    """Success of zero torques, the arm floats within 0.2 rad."""
+    """A motion of zero torques succeeds, and the arm stays within 0.2 rad."""
     outcome = dialog.move(torques(), 200)
     away = distance(outcome, "q", START)
     return outcome.is_clean and away < 0.2, f"{outcome}; {away:.2g} rad away"
 
 
 def test_torques_turn_a_joint(dialog: Dialog) -> Verdict:
-    """Joint 7 turns by more than 1 mrad under 1 Nm within 0.3 s."""
+    """A torque of 1 Nm turns joint 7 by more than 1 mrad within 0.3 s."""
     motion = torques(along(6, lambda n: min(n, 200, max(0, 400 - n)) / 200))
     outcome = dialog.move(motion, 400)
     moved = outcome.last["q"][6] - outcome.first["q"][6]
@@ -127,7 +128,7 @@ def test_torques_turn_a_joint(dialog: Dialog) -> Verdict:
 def test_motion_without_a_generator_is_refused_before_version_7(
     dialog: Dialog,
 ) -> Verdict:
-    """Invalid argument rejected."""
+    """The answer is invalid argument rejected."""
     needs(MoveGenerator.NONE not in dialog.protocol.generators)
     _, answer = dialog.start(replace(torques(), generator=MoveGenerator.NONE))
     wanted = MoveStatus.INVALID_ARGUMENT_REJECTED
@@ -135,7 +136,7 @@ def test_motion_without_a_generator_is_refused_before_version_7(
 
 
 def test_arm_waits_for_the_first_command(dialog: Dialog) -> Verdict:
-    """Mode move after 100 ms without a first command, then success."""
+    """After 100 ms without a command the mode is move, and then the motion succeeds."""
     modes: set[int] = set()
     motion = hold().without(lambda n: n < 100)
     motion = motion.watched(lambda _n, state: modes.add(state["robot_mode"]))
@@ -146,7 +147,7 @@ def test_arm_waits_for_the_first_command(dialog: Dialog) -> Verdict:
 
 @pytest.mark.parametrize("asked", MEANWHILE)
 def test_request_during_a_motion_is_refused(dialog: Dialog, asked: str) -> Verdict:
-    """Command not possible rejected, and the motion goes on to success."""
+    """The answer is command not possible rejected, and the motion succeeds."""
     command, statuses, fields = MEANWHILE[asked]
     values = {name: dialog.state[name] for name in fields}
     outcome, told = ask_meanwhile(dialog, command, statuses, values)
@@ -155,7 +156,7 @@ def test_request_during_a_motion_is_refused(dialog: Dialog, asked: str) -> Verdi
 
 
 def test_stop_preempts_a_motion(dialog: Dialog) -> Verdict:
-    """Move preempted, StopMove success, idle."""
+    """Move is answered with preempted, StopMove with success, and the arm is idle."""
     outcome, told = ask_meanwhile(dialog, Command.STOP_MOVE, StopMoveStatus, {})
     is_over = outcome.ended == MoveStatus.PREEMPTED and told == "success"
     mode = dialog.state["robot_mode"]
@@ -166,7 +167,7 @@ def test_stop_preempts_a_motion(dialog: Dialog) -> Verdict:
 def ask_meanwhile(
     dialog: Dialog, command: Command, statuses: type[IntEnum], values: Fields
 ) -> tuple[Outcome, str]:
-    """Ask once while a motion runs; return its course, and the answer in words."""
+    """Send a request during a motion; return the motion's course, and the answer."""
     sent: list[int] = []
 
     def ask(cycle: int, _state: State) -> None:
@@ -179,7 +180,7 @@ def ask_meanwhile(
 
 
 def test_success_rate_counts_the_commands_that_came(dialog: Dialog) -> Verdict:
-    """The part of the last 100 states that were answered, all and two of three."""
+    """The rate is the answered share of the last 100 states: all, or two of three."""
     whole, partly = hold(), hold().without(lambda n: n >= 50 and n % 3 == 0)
     off = [0.0]
     outcomes = [dialog.move(counted(motion, off), 310) for motion in (whole, partly)]
@@ -189,7 +190,7 @@ def test_success_rate_counts_the_commands_that_came(dialog: Dialog) -> Verdict:
 
 
 def counted(motion: Motion, off: list[float]) -> Motion:
-    """Return a motion that notes how far the success rate is from its own count."""
+    """Return a motion that compares the success rate with a count of its own."""
     came: list[int] = []
 
     def stream(cycle: int, state: State) -> Fields | None:
@@ -205,13 +206,13 @@ def counted(motion: Motion, off: list[float]) -> Motion:
 
 
 def test_some_lost_commands_in_a_row_are_no_error(dialog: Dialog) -> Verdict:
-    """Success though 15 commands in a row are left out."""
+    """The motion succeeds although 15 commands in a row are left out."""
     outcome = dialog.move(hold().without(lambda n: 100 <= n < 115), 300)
     return outcome.is_clean, outcome
 
 
 def test_hole_in_a_moving_joint_is_bridged(dialog: Dialog) -> Verdict:
-    """Success though 2 commands of a moving joint are left out."""
+    """The motion succeeds although 2 commands of a moving joint are left out."""
     motion, hole = MOTIONS["joint position"](), TIME // 4
     outcome = dialog.move(motion.without(lambda n: 0 <= n - hole < 2), TIME + REST)
     return outcome.is_success, outcome
@@ -220,7 +221,7 @@ def test_hole_in_a_moving_joint_is_bridged(dialog: Dialog) -> Verdict:
 def test_errors_of_the_last_motion_are_forgotten_by_the_next(
     dialog: Dialog,
 ) -> Verdict:
-    """No last_motion_errors after a motion without errors."""
+    """After a motion without errors, last_motion_errors is empty."""
     dialog.move(joint_positions(along(6, step(0.5))), 100)
     go_to(dialog)
     outcome = dialog.move(hold(), 100)
@@ -228,7 +229,7 @@ def test_errors_of_the_last_motion_are_forgotten_by_the_next(
 
 
 def test_asynchronous_positions(dialog: Dialog) -> Verdict:
-    """One command with a goal 0.1 rad away: q_d arrives within 1 mrad, success."""
+    """q_d reaches one goal 0.1 rad away within 1 mrad, and the motion succeeds."""
     fields = dialog.protocol.exchanges[Command.MOVE].request.offsets
     needs("use_async_motion_generator" in fields)
     goal = [q + 0.1 * (i == 6) for i, q in enumerate(START)]

@@ -1,7 +1,7 @@
 """Checks that read: the handshake, the states, the settings, the model.
 
-Settings are set to the values that they have, or to those that libfranka's examples
-begin with. Nothing moves.
+The checks set settings to their present values, or to those with which libfranka's
+examples begin. Nothing moves.
 """
 
 from collections.abc import Mapping
@@ -75,7 +75,7 @@ SETTERS = [command for command in Command if command.name.startswith("SET_")]
 
 
 def values_of(command: Command, dialog: Dialog) -> Mapping[str, object]:
-    """Return values for a setter that change nothing, or are those of the examples."""
+    """Return values for a setter: the present values, or those of the examples."""
     fields = dialog.protocol.exchanges[command].request.offsets
     if command is Command.SET_FILTERS:
         return dict.fromkeys(fields, 1000.0)
@@ -94,7 +94,7 @@ def test_version_is_agreed(row: Row, endpoint: Endpoint) -> Verdict:
 def test_wrong_version_is_refused_with_the_right_one(
     endpoint: Endpoint, version: int
 ) -> Verdict:
-    """Incompatible library version, and a version of the robot."""
+    """The answer is incompatible library version, with a version of the robot."""
     status, told = ask_version(endpoint.host, endpoint.port, version)
     is_refused = status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
     seen = f"{words(ConnectStatus, status)}, version {told}"
@@ -102,7 +102,7 @@ def test_wrong_version_is_refused_with_the_right_one(
 
 
 def test_refused_client_may_connect_again_at_once(endpoint: Endpoint) -> Verdict:
-    """A connection and a state after a refused version."""
+    """A client can connect and gets a state after a refused version."""
     ask_version(endpoint.host, endpoint.port, 999)
     with_state = endpoint.open()
     with_state.close()
@@ -110,7 +110,7 @@ def test_refused_client_may_connect_again_at_once(endpoint: Endpoint) -> Verdict
 
 
 def test_request_that_tcp_has_cut_is_read(endpoint: Endpoint) -> Verdict:
-    """Connect in two pieces: success."""
+    """Connect, sent in two pieces, is answered with success."""
     network = open_network(endpoint.host, endpoint.port)
     dialog = Dialog(network, endpoint.protocol)
     send = network.send
@@ -146,7 +146,7 @@ def test_states_come_from_the_address_of_the_robot(
 
 
 def test_numbers_of_states_rise_by_one(dialog: Dialog) -> Verdict:
-    """Message_id one higher than the last in 95 of 100 states."""
+    """In 95 of 100 states, message_id is one higher than in the state before."""
     dialog.settle()
     ids = [dialog.next_state()["message_id"] for _ in range(101)]
     steps = [after - before for before, after in pairwise(ids)]
@@ -155,7 +155,7 @@ def test_numbers_of_states_rise_by_one(dialog: Dialog) -> Verdict:
 
 
 def test_idle_arm_shows_its_modes(dialog: Dialog) -> Verdict:
-    """Generator 0, controller 3, robot mode 1 (idle), no present error."""
+    """The state has generator 0, controller 3, robot mode 1 (idle) and no error."""
     state = dialog.settle()
     names = "motion_generator_mode", "controller_mode", "robot_mode"
     modes = [state[name] for name in names]
@@ -166,7 +166,7 @@ def test_idle_arm_shows_its_modes(dialog: Dialog) -> Verdict:
 
 
 def test_all_numbers_are_finite(dialog: Dialog) -> Verdict:
-    """No NaN and no infinity in any field."""
+    """No field has a NaN or an infinity."""
     wrong = [
         name
         for name, value in dialog.settle().items()
@@ -176,7 +176,7 @@ def test_all_numbers_are_finite(dialog: Dialog) -> Verdict:
 
 
 def test_pose_agrees_with_the_joints(dialog: Dialog) -> Verdict:
-    """O_T_EE within 0.01 of the kinematics of q and F_T_EE."""
+    """O_T_EE agrees within 0.01 with the kinematics of q and F_T_EE."""
     state = dialog.settle()
     pose = frame_pose(Frame.END_EFFECTOR, state["q"], state["F_T_EE"])
     away = farthest(pose, state["O_T_EE"])
@@ -197,21 +197,21 @@ def test_end_effector_is_composed_of_its_frames(dialog: Dialog) -> Verdict:
 
 
 def test_joints_rest_where_they_are_desired(dialog: Dialog) -> Verdict:
-    """Q within 0.02 rad of q_d, dq below 0.05 rad/s."""
+    """The positions are within 0.02 rad of q_d, the velocities below 0.05 rad/s."""
     state = dialog.settle()
     away, fast = farthest(state["q"], state["q_d"]), max(map(abs, state["dq"]))
     return away < 0.02 and fast < 0.05, f"{away:.2g} rad away, {fast:.2g} rad/s"
 
 
 def test_gravity_is_told(dialog: Dialog) -> Verdict:
-    """O_ddP_O of 9.81 m/s², which clients' models take for gravity."""
+    """O_ddP_O is 9.81 m/s², which the models of clients use as gravity."""
     told = dialog.settle()["O_ddP_O"]
     seen = f"({', '.join(f'{value:.3g}' for value in told)}) m/s²"
     return abs(hypot(*told) - GRAVITY) < 0.2, seen
 
 
 def test_accelerometers_feel_gravity(dialog: Dialog) -> Verdict:
-    """9.81 ± 1.5 m/s² at each of the twelve boards of an arm at rest."""
+    """Each of the twelve boards of an arm at rest measures 9.81 ± 1.5 m/s²."""
     state = dialog.settle()
     needs("accelerometer_top" in state)
     values = (*state["accelerometer_top"], *state["accelerometer_bottom"])
@@ -221,7 +221,7 @@ def test_accelerometers_feel_gravity(dialog: Dialog) -> Verdict:
 
 
 def test_load_of_the_end_effector_is_possible(dialog: Dialog) -> Verdict:
-    """Masses of 0 to 10 kg, no negative moment of inertia."""
+    """Masses are 0 to 10 kg, and no moment of inertia is negative."""
     state = dialog.settle()
     holds = all(0.0 <= state[mass] < 10.0 for mass in ("m_ee", "m_load")) and all(
         state[i][k] >= 0.0 for i in ("I_ee", "I_load") for k in (0, 4, 8)
@@ -231,39 +231,39 @@ def test_load_of_the_end_effector_is_possible(dialog: Dialog) -> Verdict:
 
 @pytest.mark.parametrize("command", SETTERS, ids=lambda c: c.name.lower())
 def test_possible_setting_is_accepted(dialog: Dialog, command: Command) -> Verdict:
-    """Success."""
+    """The answer is success."""
     needs(command in dialog.protocol.exchanges)
     return dialog.expect(command, SetterStatus.SUCCESS, **values_of(command, dialog))
 
 
 @pytest.mark.parametrize("command", IMPOSSIBLE, ids=lambda c: c.name.lower())
 def test_impossible_setting_is_refused(dialog: Dialog, command: Command) -> Verdict:
-    """Invalid argument rejected."""
+    """The answer is invalid argument rejected."""
     wanted = SetterStatus.INVALID_ARGUMENT_REJECTED
     holds, seen = dialog.expect(command, wanted, **IMPOSSIBLE[command])
-    if seen == words(SetterStatus, SetterStatus.SUCCESS):  # undone, if it can be
+    if seen == words(SetterStatus, SetterStatus.SUCCESS):  # undo it if possible
         dialog.ask(command, **values_of(command, dialog))
     return holds, seen
 
 
 def test_virtual_walls_are_told(dialog: Dialog) -> Verdict:
-    """Success."""
+    """The answer is success."""
     needs(Command.GET_CARTESIAN_LIMIT in dialog.protocol.exchanges)
     return dialog.expect(Command.GET_CARTESIAN_LIMIT, SetterStatus.SUCCESS, id=0)
 
 
 def test_stop_of_an_idle_arm_succeeds(dialog: Dialog) -> Verdict:
-    """Success."""
+    """The answer is success."""
     return dialog.expect(Command.STOP_MOVE, StopMoveStatus.SUCCESS)
 
 
 def test_recovery_without_an_error_succeeds(dialog: Dialog) -> Verdict:
-    """Success."""
+    """The answer is success."""
     return dialog.expect(Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.SUCCESS)
 
 
 def test_model_library_is_sent(dialog: Dialog) -> Verdict:
-    """Success, and an ELF library for x86-64 Linux."""
+    """The answer is success, with an ELF library for x86-64 Linux."""
     needs(Command.LOAD_MODEL_LIBRARY in dialog.protocol.exchanges)
     values = {"architecture": Architecture.X64, "system": System.LINUX}
     answer = dialog.ask(Command.LOAD_MODEL_LIBRARY, **values)
@@ -297,7 +297,7 @@ def test_robot_model_is_what_libfranka_parses(row: Row, dialog: Dialog) -> Verdi
 
 
 def test_frames_and_load_are_shown_as_they_were_set(dialog: Dialog) -> Verdict:
-    """EE_T_K of a state after SetEEToK is the frame that was set."""
+    """After SetEEToK, EE_T_K of a state is the frame that was set."""
     before = dialog.settle()["EE_T_K"]
     frame = (*IDENTITY[:12], 0.0, 0.0, 0.01, 1.0)
     dialog.ask(Command.SET_EE_TO_K, EE_T_K=frame)

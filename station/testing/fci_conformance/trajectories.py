@@ -1,4 +1,4 @@
-"""Motions near a pose, the way there, and commands that an arm must refuse.
+"""Motions near a pose, motions to it, and commands that an arm must refuse.
 
 A stream is called once per cycle with the cycle's number, see `dialog.Stream`. Cycles
 are 1 ms, and a stream leaves nothing out when the client misses a state.
@@ -40,16 +40,16 @@ _STILL = 1e-3  # [rad/s]
 QUIET = 50
 """Cycles at rest before `step` and `ramp`."""
 Way: TypeAlias = Callable[[int], float]
-"""Returns a number in a cycle, e.g. a way since the beginning."""
+"""Function that returns a number for a cycle, e.g. a distance from the start."""
 Ways: TypeAlias = Callable[[int], Sequence[float]]
-"""Returns a vector in a cycle."""
+"""Function that returns a vector for a cycle."""
 
 
 def smooth(part: float) -> float:
-    """Return the done share of a motion from rest to rest with bounded jerk.
+    """Return the share of a rest-to-rest motion with bounded jerk that is done.
 
     Args:
-        part: Part of the time, 0 to 1.
+        part: Share of its time that has passed, 0 to 1.
     """
     part = min(max(part, 0.0), 1.0)
     return part**3 * (10.0 - 15.0 * part + 6.0 * part**2)
@@ -66,17 +66,17 @@ def rate(way: Way) -> Way:
 
 
 def step(value: float) -> Way:
-    """Return a function that is 0 in the cycles at rest, and a value from then on."""
+    """Return a function that is 0 in the cycles at rest, and `value` afterwards."""
     return lambda n: value if n >= QUIET else 0.0
 
 
 def ramp(acceleration: float, jerk: float, velocity: float) -> Way:
-    """Return a path coordinate with growing velocity, after the cycles at rest.
+    """Return a distance that grows ever faster, after the cycles at rest.
 
     Args:
         acceleration: Largest acceleration, per second squared.
         jerk: Largest jerk, per second cubed; 0 lets the acceleration jump.
-        velocity: Velocity at which it ceases to grow, per second.
+        velocity: Velocity at which the acceleration ends, per second.
     """
     ways, grows, speed = [0.0], 0.0, 0.0
 
@@ -93,12 +93,12 @@ def ramp(acceleration: float, jerk: float, velocity: float) -> Way:
 
 
 def along(axis: int, way: Way, size: int = 7) -> Ways:
-    """Return a motion of one joint, or along an axis, as vectors."""
+    """Return a motion of one joint, or along one axis, as a vector function."""
     return lambda n: [way(n) if i == axis else 0.0 for i in range(size)]
 
 
 def begin_of(field: str) -> Callable[[State], tuple[float, ...]]:
-    """Return a function that keeps a field of the first state that it is given."""
+    """Return a function that returns a field of the first state it was called with."""
     kept: list[tuple[float, ...]] = []
 
     def first(state: State) -> tuple[float, ...]:
@@ -143,10 +143,11 @@ def poses(
     """Return a motion of poses of the end effector.
 
     Args:
-        shift: Returns the way from the first pose in a cycle, in the base [m], (3,).
+        shift: Returns the distance from the first pose in a cycle, in the base frame
+            [m], shape (3,).
         angle: Returns the turn about the z axis of the end effector [rad].
-        elbow: The way of the elbow from where it is [rad], and the factor of its sign;
-            None commands no elbow.
+        elbow: Distance of the elbow from its present position [rad], and factor of its
+            sign; None commands no elbow.
     """
     begin, begin_elbow = begin_of("O_T_EE_c"), begin_of("elbow_d")
 
@@ -180,7 +181,7 @@ def torques(torque: Ways = lambda _n: [0.0] * 7) -> Motion:
 
 
 def recover(dialog: Dialog) -> str:
-    """Recover once, and return the answer in words; `idle` if the arm is idle then.
+    """Recover once; return `idle` if the arm is idle then, else the answer in words.
 
     Raises:
         FciNetworkError: No answer comes.
@@ -199,7 +200,7 @@ def recover(dialog: Dialog) -> str:
 
 
 def go_to(dialog: Dialog, q: Sequence[float] = START) -> None:
-    """Move the joints slowly to a pose, out of a reflex if need be.
+    """Move the joints slowly to a pose; recover from a reflex first if necessary.
 
     Raises:
         FciNetworkError: The endpoint does not answer.
@@ -208,20 +209,20 @@ def go_to(dialog: Dialog, q: Sequence[float] = START) -> None:
     state = dialog.settle()
     if state["robot_mode"] != RobotMode.IDLE.value:
         recover(dialog)
-    # The last motion may have left the arm slowing down.
+    # The arm may still be slowing down from the last motion.
     dialog.wait_until(lambda s: max(map(abs, s["dq_d"])) < _STILL, 1.0)
     state = dialog.state
     way = [goal - now for goal, now in zip(q, state["q_d"], strict=True)]
     longest = max(map(abs, way))
     if longest < 1e-3:
         return
-    # Of the way of `smooth`: velocity and acceleration are this much above the mean.
+    # In `smooth` the peaks of velocity and acceleration are this much above the mean.
     slow = max(1.875 * abs(a) / v for a, v in zip(way, _SPEED, strict=True))
     seconds = max(_SHORTEST, slow, sqrt(5.7735 * longest / _ACCELERATION))
     cycles = round(1000.0 * seconds)
     motion = joint_positions(lambda n: [smooth(n / cycles) * one for one in way])
     outcome = dialog.move(motion, cycles + 20)
-    # A soft arm arrives after its motion.
+    # A compliant arm arrives after the end of its motion.
     is_there = outcome.is_success and dialog.wait_until(
         lambda state: farthest(state["q"], q) < _THERE, 0.5
     )
@@ -233,10 +234,10 @@ def go_to(dialog: Dialog, q: Sequence[float] = START) -> None:
 
 
 def distance(outcome: Outcome, field: str, wanted: Sequence[float]) -> float:
-    """Return the largest difference of a field's last value from the wanted one."""
+    """Return the largest difference of a field's last values from the wanted ones."""
     return farthest(outcome.last[field], wanted)
 
 
 def farthest(one: Iterable[float], other: Iterable[float]) -> float:
-    """Return the largest difference of numbers from those at their places."""
+    """Return the largest difference between two vectors."""
     return max(abs(a - b) for a, b in zip(one, other, strict=True))

@@ -1,1 +1,1 @@
-"""The recorded behaviour of the original, and its replay."""
+"""Recorded behaviour of ros_control's controller manager, and its replay."""

@@ -1,7 +1,7 @@
-"""Deliberate differences between the manager and the original, with reasons.
+"""Deliberate differences between the manager and ros_control's one, with reasons.
 
-`recorded_behaviour.py` applies those that show in a recorded run to it
-(refusals, CM-32, CM-25, CM-67) and compares everything else word by word.
+`recorded_behaviour.py` applies the differences that affect a recorded run (refusals,
+CM-32, CM-25, CM-67) to the recording, and compares everything else word by word.
 """
 
 DIFFERENCES = {
@@ -67,7 +67,7 @@ DIFFERENCES = {
     "CM-110": "init raises with the reason instead of returning False.",
     "CM-114": "switch_result of a combined robot asks its robots.",
 }
-"""What differs and why, by the behaviour's number."""
+"""Each difference with its reason, by the number of the behaviour."""
 
 WITHOUT_UPDATES = frozenset({"load", "unload"})
-"""Operations in whose recorded traces CM-32 leaves out every cycle."""
+"""Operations from whose recorded traces CM-32 removes every cycle."""

@@ -1,7 +1,7 @@
-"""The manager answers, calls and ends like the recorded original.
+"""Test that the manager behaves like the recorded manager of ros_control.
 
-`controller_manager.json.gz` holds what the controller manager of ros_control answered
-and called, operation by operation.
+`controller_manager.json.gz` holds the answers and the calls of ros_control's controller
+manager, operation by operation.
 """
 
 import gzip
@@ -30,7 +30,7 @@ class Replay:
     """Carries out recorded operations and compares the effects.
 
     Args:
-        robot: The robot, which writes down its hooks.
+        robot: The robot, which records the calls of its hooks.
         manager_class: Class of the manager.
     """
 
@@ -53,14 +53,14 @@ class Replay:
         self.manager.update(self.time, PERIOD)
 
     def states(self) -> dict[str, str]:
-        """Return the states as recorded."""
+        """Return the states of the controllers in the words of the recording."""
         return {
             s.name: "constructed" if s.state.value == "unknown" else s.state.value
             for s in self.manager.list_controllers()
         }
 
     def run(self, op: dict[str, Any]) -> None:
-        """Carry out `op`; assert result, trace and final states."""
+        """Carry out a recorded operation; assert its result, trace and final states."""
         self.robot.trace.clear()
         expected = list(op.get("trace", []))
         self.robot.script_results(expected)
@@ -82,22 +82,22 @@ class Replay:
             assert self.states() == op["states"]
 
     def do_define(self, op: dict[str, Any]) -> None:
-        """Define a controller to be loaded later."""
+        """Define a controller that a later operation loads."""
         self.loader.definitions[op["name"]] = op
         self.parameters.set(f"{op['name']}/type", op["type_param"])
 
     def do_load(self, op: dict[str, Any]) -> bool:
-        """Load."""
+        """Load a controller."""
         self.manager.load_controller(op["name"])
         return True
 
     def do_unload(self, op: dict[str, Any]) -> bool:
-        """Unload."""
+        """Unload a controller."""
         self.manager.unload_controller(op["name"])
         return True
 
     def do_switch(self, op: dict[str, Any]) -> bool:
-        """Switch."""
+        """Switch controllers."""
         self.manager.switch_controller(
             SwitchRequest(
                 op["start"],
@@ -117,12 +117,12 @@ class Replay:
             self.manager.update(self.time, PERIOD, op["reset_controllers"])
 
     def do_reload_libraries(self, op: dict[str, Any]) -> bool:
-        """Reload."""
+        """Reload the libraries of controllers."""
         self.manager.reload_controller_libraries(force_kill=op["force_kill"])
         return True
 
     def do_list_controllers(self, op: dict[str, Any]) -> None:
-        """Compare the list."""
+        """Compare the list of controllers with the recorded one."""
         listed = [
             {
                 "name": status.name,
@@ -141,7 +141,7 @@ class Replay:
         assert listed == op["controllers"]
 
     def do_list_controller_types(self, op: dict[str, Any]) -> None:
-        """Compare the types."""
+        """Compare the list of controller types with the recorded one."""
         listed = [
             {"type": name, "base": base}
             for name, base in self.manager.list_controller_types()
@@ -170,9 +170,9 @@ def _id(cell: dict[str, Any]) -> str:
 
 
 class RecordedBehaviour:
-    """Holds a controller manager, and the hooks of a robot, to the recorded original.
+    """Tests a controller manager and a robot's hooks against ros_control's recording.
 
-    Derive a test class; name in it the manager that replaces the station's own.
+    Derive a test class, and name the manager in it that replaces the station's own.
 
     Attributes:
         robot: Class of the robot; its hooks write the trace that is compared.

@@ -22,7 +22,7 @@ def _names(infos: Sequence[ControllerInfo]) -> str:
 
 
 class RecordedRobot(RobotHW):
-    """Writes every hook down; answers by the script, else yes and DONE."""
+    """Records every call of a hook; answers by its script, or else yes and DONE."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -71,7 +71,7 @@ class RecordedRobot(RobotHW):
         return answer
 
     def script_results(self, trace: Sequence[str]) -> None:
-        """Answer as a recorded trace says."""
+        """Set the answers of the hooks to those of a recorded trace."""
         for line in trace:
             if line.startswith("hw.prepareSwitch"):
                 self.prepare.append(line.endswith("1"))
@@ -83,7 +83,7 @@ class RecordedRobot(RobotHW):
 
 
 class RecordedController(ControllerBase):
-    """Writes down every callback."""
+    """Records every callback."""
 
     def __init__(self, loader: "RecordedLoader") -> None:
         super().__init__()

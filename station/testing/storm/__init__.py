@@ -1,4 +1,4 @@
-"""A storm: threads that load, switch, fail and stop, against a loop that runs."""
+"""A storm: threads load, switch, disturb and stop controllers of a running loop."""
 
 import random
 import sys
@@ -38,15 +38,15 @@ class StormReport:
     """The actions and the findings of a storm.
 
     Attributes:
-        seed: With which it can be repeated; the order of the threads is not.
+        seed: Seed of the random operations; it does not fix the order of the threads.
         threads: How many threads there were.
-        operations: How often each operation was carried out, by name.
-        refusals: How often an operation was refused, by the code of the error.
-        switches: How the switches ended that were not refused, by outcome.
-        mischiefs: How often a controller did something wrong.
-        cycles: How many cycles the observer has looked at.
+        operations: Number of times each operation was carried out, by name.
+        refusals: Number of refused operations, by the code of the error.
+        switches: Number of switches that were not refused, by outcome.
+        mischiefs: Number of deliberate faults of controllers.
+        cycles: Number of cycles that the observer has checked.
         duration: How long the storm took [s wall time].
-        problems: Violated contracts; empty when all were kept.
+        problems: Violated contracts, one sentence each; empty if all were kept.
     """
 
     seed: int
@@ -61,7 +61,7 @@ class StormReport:
 
     @property
     def ok(self) -> bool:
-        """Return whether nothing was wrong."""
+        """Return whether all contracts were kept."""
         return not self.problems
 
     @override
@@ -85,10 +85,10 @@ def _listed(counts: Counter[str]) -> str:
 
 
 Fault = Callable[[random.Random], None]
-"""Lets something go wrong in a robot, or right again; called between two cycles."""
+"""Function that makes a robot fail, or ends the failure; called between two cycles."""
 
 _POLL = 0.05
-"""How often the main thread looks whether an operation hangs [s]."""
+"""Time between two checks of the main thread whether an operation hangs [s]."""
 
 
 def storm(
@@ -102,27 +102,27 @@ def storm(
     drift: float = 0.01,
     period: float = 0.001,
 ) -> StormReport:
-    """Let a storm loose on a robot and return the findings.
+    """Run a storm on a robot and return the findings.
 
     The loop runs in its thread, as in a station. The other threads load, unload and
-    switch controllers, some of which command references of others, raise, command what
-    is no number, or command resources of other controllers; they stop everything,
-    release the stop, reload, recover the robot, and let its switching hooks refuse and
-    fail. An observer looks at every cycle before `write`, and each answer is compared
-    with the findings of the observer.
+    switch controllers. Some of these command references of others, raise errors,
+    command values that are not numbers, or command resources of other controllers. The
+    threads also stop all controllers, release the stop, reload, recover the robot, and
+    make its switching hooks refuse and fail. An observer checks every cycle before
+    `write`, and each answer of the station is compared with its findings.
 
     Args:
         hw_factory: Returns the robot, initialised.
         operations: How many operations all threads carry out together.
         threads: How many threads there are.
         seed: Seed of the random operations.
-        faults: Returns faults of the robot besides those of its hooks.
+        faults: Function that returns faults of the robot besides those of its hooks.
         deadline: How long an operation may take [s wall time].
         drift: How far a joint without an owner may move [rad or m].
         period: Period of the loop [s].
 
     Raises:
-        ValueError: The robot has no commands that a controller could claim.
+        ValueError: The robot has no command that a controller could claim.
     """
     robot = hw_factory()
     claims = find_claims(robot)
@@ -180,14 +180,15 @@ def storm(
 
 
 class _Stopped:
-    """No controller runs while the stop is latched."""
+    """The check that no controller runs while the stop is latched."""
 
     def __init__(self, station: Station) -> None:
         self._station = station
 
     def __call__(self) -> str | None:
         latch = self._station.loop.stop_latch
-        # In this order: `engage` sets `pending` first.
+        # Read the state first and then `pending`, because `engage` sets `pending`
+        # first.
         if latch.state is StopState.ARMED or latch.pending:
             return None
         running = [info.name for info in self._station.manager.running()]
@@ -204,7 +205,7 @@ class _Owners:
         for info in self._manager.running():
             try:
                 controller = self._manager.get_controller(info.name)
-            except StationError:  # it was unloaded just now
+            except StationError:  # it has just been unloaded
                 continue
             if isinstance(controller, StormController) and controller.is_running():
                 problem = controller.find_overwritten()
@@ -216,7 +217,7 @@ class _Owners:
 def _run(
     workers: Sequence[StormWorker], operations: int, deadline: float, loop: ControlLoop
 ) -> list[str]:
-    """Let the workers work; return the calls that hang."""
+    """Run the workers; return a description of each call that hangs."""
     threads = [
         threading.Thread(
             target=worker.run, args=(operations,), name=f"storm {number}", daemon=True
@@ -250,7 +251,7 @@ def _stack(thread: threading.Thread) -> str:
 
 
 def _calm_down(station: Station, observer: SwitchObserver) -> list[str]:
-    """Stop and unload everything, as a station that works can."""
+    """Stop and unload all controllers; return the problems that this shows."""
     problems: list[str] = []
     try:
         names = [status.name for status in station.controllers()]

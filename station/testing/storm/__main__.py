@@ -1,4 +1,4 @@
-"""Let a storm loose: `python -m station.testing.storm --operations 100000`."""
+"""Run a storm: `python -m station.testing.storm --operations 100000`."""
 
 import argparse
 import random
@@ -21,8 +21,8 @@ class StormRobot:
     """A robot for the storm.
 
     Attributes:
-        create: Returns it, initialised.
-        faults: Returns its possible faults.
+        create: Function that returns the robot, initialised.
+        faults: Function that returns the possible faults of the robot.
         drift: How far one of its joints may move without an owner [rad or m].
     """
 
@@ -32,14 +32,14 @@ class StormRobot:
 
 
 def create(robot_type: str, parameters: Mapping[str, object]) -> RobotHW:
-    """Return a robot of the table, initialised.
+    """Return a robot of the station's table, initialised.
 
     Args:
         robot_type: Its type.
         parameters: Its parameters.
 
     Raises:
-        StationError: The type or a parameter is impossible.
+        StationError: The type is unknown, or a parameter is not allowed.
     """
     tree, robot = Parameters(), create_robot(robot_type)
     tree.set("hw", dict(parameters))
@@ -106,7 +106,7 @@ ROBOTS: Mapping[str, StormRobot] = {
 
 
 def main(words: list[str] | None = None) -> int:
-    """Let a storm loose and print its report; return 1 if something was wrong.
+    """Run a storm and print its report; return 1 if a contract was violated.
 
     Args:
         words: The words of the command line; None for those of this process.

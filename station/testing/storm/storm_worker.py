@@ -1,9 +1,10 @@
 """One thread of a storm, and the controllers that it works with.
 
-Its operations are random, on its own controllers and on everybody's.
+Its operations are random, on its own controllers and on those of all threads.
 
-Only this thread loads, starts and unloads its own controllers; everybody may stop them.
-So after each answer the true state is known, unless another thread disturbed it.
+Only this thread loads, starts and unloads its own controllers, but every thread may
+stop them. So the thread knows their true state after each answer, unless another thread
+has changed it.
 """
 
 import random
@@ -55,10 +56,10 @@ class Claim(NamedTuple):
 
 
 def find_claims(robot: RobotHW) -> list[Claim]:
-    """Return the claims that the robot accepts: single resources, and whole interfaces.
+    """Return the claims that the robot accepts: of one, several or all resources.
 
     Args:
-        robot: The robot, initialised. Nothing is switched; it is only asked.
+        robot: The robot, initialised. It is only asked; no controller is switched.
     """
     by_interface: dict[str, list[str]] = {}
     for place in command_places(robot):
@@ -79,7 +80,7 @@ def find_claims(robot: RobotHW) -> list[Claim]:
 
 
 def _prefixed(interface: str, names: list[str]) -> list[Claim]:
-    """Return one claim per arm, whose joints have the same name before `_joint`."""
+    """Return one claim per arm: the names of its joints agree before `_joint`."""
     prefixes = dict.fromkeys(name.partition("_joint")[0] for name in names)
     return [
         Claim(interface, tuple(n for n in names if n.startswith(f"{prefix}_joint")))
@@ -118,15 +119,15 @@ BAD_COMMANDS: Sequence[object] = (
 )
 """Commands that must never reach a robot."""
 ODD_COMMANDS: Sequence[object] = (0, 1, True, 1e4, -1e4)
-"""Commands that are real numbers, but of another type, or large."""
+"""Commands that are real numbers, but of another type than float, or large."""
 _SPEED: Mapping[str, float] = {
     EffortJointInterface.type_name: 0.1,
     PositionJointInterface.type_name: 2e-6,
     VelocityJointInterface.type_name: 1e-4,
 }
-"""By how much the command of an interface changes in a cycle."""
+"""Change of a command per cycle, by interface."""
 _TURN = 100
-"""After so many cycles the command changes in the other direction."""
+"""Number of cycles after which the command changes direction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,10 +135,11 @@ class Mischief:
     """A fault that a controller commits once.
 
     Attributes:
-        callback: In which callback, one of `CALLBACKS`.
+        callback: Callback that commits the fault, one of `CALLBACKS`.
         command: Number to command; None raises an error instead.
-        intrudes: Command a resource of another controller.
-        place: Index of a command, its own or any, modulo their number.
+        intrudes: Whether the command goes to a resource of another controller.
+        place: Index among the controller's commands, or among all commands if it
+            intrudes, modulo their number.
     """
 
     callback: str
@@ -147,15 +149,15 @@ class Mischief:
 
 
 class StormController(ChainableController):
-    """Claims the resources in its parameters and moves them to and fro a little.
+    """Claims the resources in its parameters, and moves them a little back and forth.
 
     Parameters: `interface`, the wire name of a hardware interface; `resources`, names;
-    `reference`, the full name of a reference of another one, or "". It exports the
-    reference `value`.
+    `reference`, the full name of a reference of another controller, or "". It exports
+    the reference `value`.
 
     Attributes:
         mischief: Fault to commit next; None for none. Any thread may set it.
-        mischiefs: How often it has done something wrong.
+        mischiefs: Number of faults that it has committed.
     """
 
     def __init__(self) -> None:
@@ -191,7 +193,8 @@ class StormController(ChainableController):
         resources = params.get_str_list("resources")
         if params.get_bool("mischief", default=False):
             raise ControllerLoadError("The storm lets this controller fail in init.")
-        # Those of the robot; what controllers export has a slash in its name.
+        # Only commands of the robot: a reference of a controller has a slash in its
+        # name.
         self._places = [one for one in command_places(hw) if "/" not in one.claim[1]]
         wanted = {(interface, resource) for resource in resources}
         self._own = [place for place in self._places if place.claim in wanted]
@@ -213,9 +216,9 @@ class StormController(ChainableController):
         return (InterfaceResources(interface, tuple(sorted(resources))),)
 
     def find_overwritten(self) -> str | None:
-        """Return a command that differs from the written one; None if none does.
+        """Return a command that another controller has overwritten, or None.
 
-        Control thread, while it runs.
+        The control thread calls it while the controller runs.
         """
         for place, value in zip(self._own, self._written, strict=False):
             now = place.storage[place.index]
@@ -264,24 +267,24 @@ class StormController(ChainableController):
         places = self._places if mischief.intrudes else self._own
         place = places[mischief.place % len(places)]
         place.storage[place.index] = cast("float", mischief.command[0])
-        # Several interfaces may share a command, so that an intruder may be the owner.
+        # Several interfaces may share a command, so an intruder may own it itself.
         is_own = place.slot in {own.slot for own in self._own}
         if is_own and callback in {"starting", "update"}:
             self._note_written()
 
 
 MakeMischief = Callable[[], Mischief]
-"""Returns the next mischief."""
+"""Function that returns the next fault to commit."""
 
 
 CONTROLLERS = 4
-"""How many controllers a thread has."""
+"""Number of controllers of a thread."""
 STOP_CYCLES = 3
-"""Within how many cycles a stop takes effect."""
+"""Number of cycles within which a stop takes effect."""
 
 
 class Disturbances:
-    """Counts actions that may undo those of other threads."""
+    """Counts actions that may undo the actions of other threads."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -309,21 +312,22 @@ class StormWorker:
 
     Args:
         number: Number of the thread, from 0.
-        seed: Seed of its dice.
+        seed: Seed of its random numbers.
         station: The station.
-        observer: Looks at every cycle.
+        observer: Checks every cycle.
         claims: Resources that controllers can claim.
         hooks: Answers of the robot's switching hooks.
         faults: Faults that begin or end in the robot between two cycles.
-        disturbances: Those of all threads.
+        disturbances: Counter of disturbances by all threads.
 
     Attributes:
         problems: Violated contracts.
-        operations: How often each operation was carried out.
-        refusals: How often one was refused, by the code of the error.
-        switches: How switches ended, by outcome.
-        mischiefs: How often a controller did something wrong.
-        busy: The operation under way and since when [s monotonic]; None between two.
+        operations: Number of times each operation was carried out, by name.
+        refusals: Number of refused operations, by the code of the error.
+        switches: Number of switches, by outcome.
+        mischiefs: Number of deliberate faults of controllers.
+        busy: The present operation, and the time of its begin [s monotonic]; None
+            between two operations.
         is_told_to_end: Set by the main thread.
     """
 
@@ -370,10 +374,10 @@ class StormWorker:
         }
 
     def run(self, operations: int) -> None:
-        """Carry out random operations, fewer when the worker is told to end.
+        """Carry out random operations; end early if `is_told_to_end` is set.
 
         Args:
-            operations: How many.
+            operations: Number of operations.
         """
         names = list(self._menu)
         weights = [weight for weight, _ in self._menu.values()]
@@ -400,7 +404,7 @@ class StormWorker:
 
     def _switch(self) -> None:
         dice = self._dice
-        # First, so that whatever ends one of these is counted.
+        # Take the stamp first, so that every action that stops one of these is counted.
         stamp = self._disturbances.stamp()
         running = self._running()
         idle = [name for name in self._names if name not in running]
@@ -417,7 +421,8 @@ class StormWorker:
             timeout=dice.choice([0.0, 0.05, 0.2]),
             dry_run=dice.random() < 0.05,
         )
-        # Such a switch may start and stop controllers of other threads, too.
+        # A switch that follows chains may also start and stop controllers of other
+        # threads.
         is_wide = request.strictness.follows_chains
         try:
             with self._disturbances if is_wide else nullcontext():
@@ -527,12 +532,12 @@ class StormWorker:
         with self._disturbances:
             began = self._observer.cycle
             self._station.stop("The storm stops everything")
-            # It was engaged before this cycle ended: at the latest the one after the
-            # next has begun with it.
+            # The stop was engaged before this cycle ended, so the cycle after the next
+            # one has begun with it at the latest.
             cycle = self._observer.cycle + STOP_CYCLES
             self._wait_for(cycle)
             latch = self._station.loop.stop_latch
-            # What is pending now may be the next stop, of somebody else.
+            # A stop that is pending now may be the next one, by another thread.
             if latch.pending and latch.cycle < began:
                 self._note(f"a stop was not carried out by cycle {cycle}")
 
@@ -598,7 +603,7 @@ class StormWorker:
         return stamp is not None and stamp == self._disturbances.stamp()
 
     def _wait_for(self, cycle: int) -> None:
-        """Wait until the observer has looked at a cycle; the main thread times it."""
+        """Wait until the observer has checked a cycle; the main thread limits this."""
         while self._observer.cycle < cycle and not self.is_told_to_end:
             time.sleep(0.0002)
 
