@@ -1,8 +1,8 @@
 """Run one experiment for a station, in a process of its own at low priority.
 
-The first line of the standard input is the experiment, as JSON; the process ends at
-once when that input ends, which is when the station has ended. It tells how far it is
-in lines of JSON. SIGINT ends the experiment; the trials that run may end.
+The first line of the standard input is the experiment, as JSON. The process ends at
+once when its input ends, because the station has ended then. It reports its progress in
+lines of JSON. SIGINT ends the experiment after its running trials.
 """
 
 import json
@@ -27,11 +27,11 @@ from station.wire.experiments import ExperimentRequest
 _PERIOD = 0.5
 """Shortest time between two lines about the progress [s]."""
 _GONE = 3
-"""Exit code when the station is gone."""
+"""Exit code when the station has ended."""
 
 
 class Reporter:
-    """Reports the progress of the experiment, and keeps the responses worth seeing.
+    """Reports the progress of the experiment, and records its first and best trial.
 
     Args:
         results: The experiment.
@@ -45,14 +45,14 @@ class Reporter:
         self._recorded: set[str] = set()
 
     def watch(self, progress: Progress) -> None:
-        """Tell the progress, if the last time was long enough ago."""
+        """Report the progress, at most every `_PERIOD`."""
         if time.monotonic() >= self._next:
             self.tell(progress)
             self.record()
             self._next = time.monotonic() + _PERIOD
 
     def tell(self, progress: Progress) -> None:
-        """Tell the progress."""
+        """Report the progress."""
         tell(
             self._told,
             progress={
@@ -65,7 +65,7 @@ class Reporter:
         )
 
     def record(self) -> None:
-        """Keep the first trial of a search and the best so far cycle by cycle."""
+        """Record every cycle of the first trial and of the best one so far."""
         wanted = [first_of(self._results), best_of(self._results)]
         new = [
             row.result.hash
@@ -80,16 +80,16 @@ class Reporter:
             self._recorded.add(name)
             if trace is not None:
                 self._results.keep_recording(name, trace)
-        # Those that were the best for a while are of no interest any more.
+        # Drop the recordings of trials that are no longer the best.
         self._results.drop_recordings({row.result.hash for row in wanted if row})
 
 
 def main() -> int:
     """Run the experiment that the standard input describes; return the exit code."""
     be_polite(NICENESS)
-    # It is how the station cancels; a program in the background would ignore it.
+    # The station cancels by SIGINT, which a program in the background would ignore.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    # What a library prints must not come between the lines that are told.
+    # The output of libraries must not mix with the lines of the report.
     told = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     order = json.loads(sys.stdin.readline())

@@ -18,25 +18,25 @@ T = TypeVar("T")
 
 
 class ClusterExecutor(Executor):
-    """Gives work to those workers of a cluster that are equal to the caller.
+    """Gives work to the workers of a cluster that would compute the same as the caller.
 
-    Dask repeats the tasks of a worker that is lost. Workers that come later are
-    compared with the caller before they get work; one that differs gets none, and
-    `refused` says why.
+    Dask repeats the tasks of a worker that is lost. Workers that join later are
+    compared with the caller before they get work. A worker that differs gets no work,
+    and `refused` says why.
 
     Args:
         address: Address of the scheduler, such as `tcp://host:8786`.
         setup_text: Text of the setup that the trials have.
         timeout: How long to wait for the scheduler, and for a first worker [s], > 0.
-        look_after: Time between two looks for workers that came or went [s].
+        look_after: Time between two checks for workers that joined or left [s].
 
     Attributes:
-        refused: Why a worker gets no work, by its address.
-        worker_losses: Error of a future of which worker after worker has died.
+        refused: Reason for which a worker gets no work, by its address.
+        worker_losses: Types of the error of a task that several workers have died of.
 
     Raises:
-        ExperimentError: The address is malformed, the scheduler does not answer, or
-            has no worker that fits.
+        ExperimentError: The address is malformed, the scheduler does not answer, or has
+            no worker that equals the caller.
     """
 
     worker_losses: ClassVar[tuple[type[BaseException], ...]] = (KilledWorker,)
@@ -86,8 +86,8 @@ class ClusterExecutor(Executor):
     ) -> Future[T]:
         if time.monotonic() - self._looked >= self._look_after:
             self._look_around()
-        # Preferred, not demanded: if all of them are lost, the task must not wait for
-        # ever. It compares its worker itself.
+        # Prefer these workers without requiring them: if all are lost, the task must
+        # not wait for ever. The task itself compares its worker with the caller.
         found: Future[T] = self._executor.submit(fn, *args, **kwargs)
         return found
 
@@ -96,7 +96,7 @@ class ClusterExecutor(Executor):
         self._client.close()
 
     def _look_around(self) -> None:
-        """Compare the workers that came, and forget the ones that went."""
+        """Compare the workers that joined, and forget the workers that left."""
         self._looked = time.monotonic()
         present = set(self._client.scheduler_info(n_workers=-1)["workers"])
         new = present - self._good - set(self.refused)
@@ -118,7 +118,7 @@ class ClusterExecutor(Executor):
             )
 
     def _difference(self, worker: str, answer: object) -> str | None:
-        """Return the reason why a worker does not fit; None when it does."""
+        """Return the difference of a worker from the caller; None if they are equal."""
         if not isinstance(answer, Identity):
             return (
                 f"Worker {worker} cannot run these trials: {answer}. Install the "
@@ -132,10 +132,10 @@ class ClusterExecutor(Executor):
 
 
 def _check_address(address: str) -> None:
-    """Refuse a text that is no address.
+    """Refuse a malformed address.
 
     Raises:
-        ExperimentError: The text is no address.
+        ExperimentError: The address is malformed.
     """
     try:
         parse_host_port(parse_address(address)[1])

@@ -1,4 +1,4 @@
-"""The values for the trials of a sweep: ranges, and points within them."""
+"""Choose the values for the trials of a sweep: ranges, and points within them."""
 
 import itertools
 import math
@@ -18,7 +18,7 @@ _BITS = 32
 """Bits of Sobol's points, and of their shift."""
 _INTERVAL = re.compile(r"([^:,]+):([^:,]+)(?::(\d+))?")
 _MOST = 1_000_000
-"""Most trials of one experiment: more is a slip of the keyboard."""
+"""Most trials of one experiment: a larger number is probably a typing error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,11 +29,11 @@ class Range:
         name: The parameter.
         low: Lowest value.
         high: Highest value, >= `low`.
-        count: How many points a grid has in the interval, >= 1; a grid needs it.
+        count: Number of points of a grid in the interval, >= 1; only a grid needs it.
         values: Single values instead of the interval.
 
     Raises:
-        UnknownParameterError: There is no such parameter.
+        UnknownParameterError: The parameter is unknown.
         ImpossibleRangeError: The range is empty or beyond the allowed one.
     """
 
@@ -92,8 +92,8 @@ def parse_range(text: str) -> Range:
     """Return the range of `NAME=LOW:HIGH`, `NAME=LOW:HIGH:COUNT` or `NAME=A,B,C`.
 
     Raises:
-        UnknownParameterError: There is no such parameter.
-        ImpossibleRangeError: The text has another form, or the range is impossible.
+        UnknownParameterError: The parameter is unknown.
+        ImpossibleRangeError: The text is malformed, or the range is impossible.
     """
     name, _, rest = text.partition("=")
     match = _INTERVAL.fullmatch(rest)
@@ -109,7 +109,7 @@ def _number(part: str, text: str) -> float:
     """Return a number of a range.
 
     Raises:
-        ImpossibleRangeError: The text has another form.
+        ImpossibleRangeError: The text is malformed.
     """
     try:
         return float(part)
@@ -128,9 +128,9 @@ def points(
 
     Args:
         ranges: The ranges, of different parameters.
-        method: `grid` has every combination; the others `count` points, `random`
+        method: `grid` makes every combination. The others make `count` points: `random`
             independent ones, `halton` and `sobol` evenly spread ones.
-        count: How many points, >= 1; a grid does not need it.
+        count: Number of points, >= 1; a grid ignores it.
         seed: Seed of `random`, and of the shuffles of the evenly spread ones, >= 0.
 
     Raises:
@@ -159,10 +159,10 @@ def points(
 
 
 def _check_count(count: int) -> None:
-    """Refuse no trials, and more than anybody wants.
+    """Refuse a number of trials of 0, or above the limit.
 
     Raises:
-        ImpossibleRangeError: There are none, or too many.
+        ImpossibleRangeError: There are no trials, or too many.
     """
     if not 1 <= count <= _MOST:
         raise ImpossibleRangeError(
@@ -173,19 +173,19 @@ def _check_count(count: int) -> None:
 def sobol(count: int, width: int, seed: int = 0) -> list[list[float]]:
     """Return points of the unit cube, shape (count, width).
 
-    The points are shifted by a random bit pattern per dimension, which keeps how evenly
-    they are spread. Powers of two are the best counts.
+    Each dimension is shifted by a random bit pattern, which keeps the points evenly
+    spread. Powers of two are the best counts.
 
     Args:
         count: How many points, >= 1 and < 2**32.
         width: Number of dimensions, >= 1.
         seed: Seed of the shift, >= 0.
     """
-    # Here, because other sweeps do without the extra that brings SciPy.
+    # Imported here, because other sweeps need no SciPy, which comes with an extra.
     from scipy.stats import qmc
 
     sequence = qmc.Sobol(width, scramble=False, bits=_BITS)
-    # A power of two at least: SciPy warns of other counts.
+    # Make a power of two of points, because SciPy warns of other counts.
     even = sequence.random_base2((count - 1).bit_length())[:count]
     shifts = np.random.default_rng(seed).integers(0, 2**_BITS, width, dtype=np.uint64)
     shifted: list[list[float]] = (
@@ -211,7 +211,7 @@ def _shares(method: Method, count: int, width: int, seed: int) -> list[list[floa
 
 
 def _radical_inverse(number: int, base: int) -> float:
-    """Return the digits of a number behind the point in reverse: Halton's sequence."""
+    """Return the reversed digits of a number as a fraction: Halton's sequence."""
     found, place = 0.0, 1.0 / base
     while number:
         number, digit = divmod(number, base)

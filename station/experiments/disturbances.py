@@ -22,9 +22,10 @@ from station.trials.errors import ExperimentError, UnknownParameterError
 
 _COMMANDED = (EffortJointInterface, PositionJointInterface, VelocityJointInterface)
 _DENSITY = 2000.0
-"""Density of a load, a ball [kg/m^3]."""
+"""Density of a load, which is a ball [kg/m^3]."""
 _SMALLEST_SHARE = 0.1
-"""A body that weighs less than this share of its parent carries no load: a finger."""
+"""A body that weighs less than this share of its parent, e.g. a finger, carries no
+load."""
 
 
 def world_of(hw: RobotHW) -> World:
@@ -44,18 +45,20 @@ def world_of(hw: RobotHW) -> World:
 
 
 class Mechanics:
-    """The load, friction and damping of a world; all changes can be taken back.
+    """Changes load, friction and damping of a world, and can restore them.
 
-    Call the methods before the world is reset: a model must not change in a motion.
+    Call the methods before a reset of the world: a model must not change during a
+    motion.
 
     Args:
-        world: The world, in which nothing has been changed yet.
+        world: The world, without any changes yet.
         joints: The joints that the robot commands, n >= 1 of them.
     """
 
     def __init__(self, world: World, joints: Sequence[str]) -> None:
         self._model = model = world.model
-        # A data of its own, because computing the model's constants writes into it.
+        # Separate data, because computing the constants of the model writes into the
+        # data.
         self._scratch = mujoco.MjData(model)
         self._dofs = {
             name: int(model.jnt_dofadr[model.joint(name).id]) for name in joints
@@ -86,10 +89,11 @@ class Mechanics:
         """Change the original model; call `restore` first.
 
         Args:
-            load: Mass at the centre of mass of the carrier [kg], >= 0. Neither the
-                robot nor its gravity compensation knows of it.
+            load: Mass at the centre of mass of the carrier [kg], >= 0. The robot and
+                its gravity compensation do not take it into account.
             friction: Coulomb friction by joint, added to the model's [Nm or N], >= 0.
-            damping: Viscous damping by joint, added likewise [Nm s/rad or N s/m], >= 0.
+            damping: Viscous damping by joint, added to the model's [Nm s/rad or N s/m],
+                >= 0.
 
         Raises:
             UnknownParameterError: A joint is not one of the robot's.
@@ -106,7 +110,7 @@ class Mechanics:
             radius = (3.0 * load / (4.0 * math.pi * _DENSITY)) ** (1.0 / 3.0)
             model.body_mass[carrier] = before + load
             model.body_inertia[carrier] += 0.4 * load * radius**2
-            # The compensation goes on carrying the weight that it knows.
+            # Gravity compensation must still carry the original weight only.
             model.body_gravcomp[carrier] *= before / (before + load)
         if load > 0.0 or any(friction.values()) or any(damping.values()):
             mujoco.mj_setConst(model, self._scratch)
@@ -115,7 +119,7 @@ class Mechanics:
         """Refuse a joint that is not one of the robot's.
 
         Raises:
-            UnknownParameterError: No disturbance has that name.
+            UnknownParameterError: The robot has no such joint.
         """
         if joint not in self._dofs:
             raise UnknownParameterError(
@@ -135,7 +139,7 @@ class Mechanics:
 
 
 def _carrier(model: mujoco.MjModel, body: int) -> int:
-    """Return the body at the end of a chain: a hand rather than the last link."""
+    """Return the last heavy body of a chain: a hand rather than the last link."""
     while True:
         children = [
             i
@@ -151,13 +155,13 @@ def _carrier(model: mujoco.MjModel, body: int) -> int:
 
 
 class CommandDelay:
-    """Lets a robot receive the commands of its joints some cycles late.
+    """Delays the commands of joints by some cycles on their way to the robot.
 
-    The arm's own control, such as that which holds its pose, is not delayed: the delay
-    is that of the way from the controllers to the robot.
+    Only the way from the controllers to the robot is delayed, not the arm's own
+    control, e.g. of its pose.
 
     Args:
-        loop: The robot's loop; while there is a delay, it sends older commands.
+        loop: The robot's loop; with a delay it sends older commands.
     """
 
     def __init__(self, loop: ControlLoop) -> None:
@@ -174,18 +178,18 @@ class CommandDelay:
         self._write = hw.write
 
     def begin(self, cycles: int) -> None:
-        """Begin a trial; nothing is on its way.
+        """Begin a trial with no commands on their way.
 
         Args:
             cycles: The delay in cycles, >= 0.
         """
         self._cycles = cycles
         self._line.clear()
-        # Without a delay the robot's own method is quicker, and does the same.
+        # Without a delay the robot's own method does the same, and is quicker.
         self._hw.write = self.write if cycles else self._write  # type: ignore[method-assign]
 
     def write(self, time: float, period: float) -> None:
-        """Send the commands of some cycles before to the robot.
+        """Send the delayed commands to the robot.
 
         Args:
             time: Station time of this cycle [s].
@@ -196,7 +200,7 @@ class CommandDelay:
         is_full = len(self._line) > self._cycles
         self._put(self._line.popleft() if is_full else self._line[0])
         self._write(time, period)
-        self._put(commands)  # controllers find what they commanded
+        self._put(commands)  # controllers must find their own commands
 
     def _put(self, commands: list[float]) -> None:
         for (storage, index), command in zip(self._slots, commands, strict=True):

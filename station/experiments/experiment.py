@@ -1,4 +1,4 @@
-"""A request made ready to run: one way for the command line and the API."""
+"""Prepare and run requested experiments, for the command line and the API."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -21,8 +21,8 @@ from station.trials.trial import Script, Setup, Trial
 from station.wire.experiments import ExperimentRequest
 
 ROBUSTNESS_RANGES = ("load=0:3", "friction=0.25:0.75", "delay=0:3")
-"""What a robot may meet: a load that nobody told it of, friction of 0.5 Nm give or take
-half of it, and up to three cycles of delay."""
+"""Deviations that a robot may meet: a load that it does not know [kg], friction of 0.5
+Nm plus or minus a half of it, and up to three cycles of delay."""
 
 
 def sweep(
@@ -34,7 +34,7 @@ def sweep(
     *,
     has_seeds: bool = False,
 ) -> Progress:
-    """Run a trial for every point.
+    """Run a trial for every point in parameter space.
 
     Args:
         base: The trial that the points change.
@@ -42,8 +42,8 @@ def sweep(
         results: File of the trials.
         executor: Runs the trials.
         watch: Called after every trial.
-        has_seeds: Whether each trial has measurement noise of its own: its seed is
-            then that of `base` plus its number.
+        has_seeds: Whether each trial has different measurement noise: its seed is then
+            the seed of `base` plus its number.
 
     Raises:
         ExperimentError: Workers die or refuse again and again; ended trials are kept.
@@ -56,16 +56,15 @@ def sweep(
 
 
 def keep_worst(results: Results, metric: str, count: int) -> list[str]:
-    """Play the worst trials again and keep their recordings; return their hashes.
+    """Run the worst trials again and keep their recordings; return their hashes.
 
-    A trial gives the same numbers every time, so that nothing has to be recorded before
-    it is known which trials are the worst. Trials that have failed are the worst of
-    all.
+    A trial gives the same numbers every time, so the worst trials can be recorded after
+    they are known. Failed trials are worse than all others.
 
     Args:
         results: The experiment.
         metric: Metric that ranks the trials.
-        count: How many trials, >= 0.
+        count: Number of trials to keep, >= 0.
 
     Raises:
         ExperimentError: Trials are done, but none has the metric.
@@ -89,14 +88,14 @@ class Experiment(ABC):
     """An experiment that is ready to run.
 
     Args:
-        request: Request as it was made.
-        base: The trial that all others are changed from.
+        request: The request of the caller.
+        base: The trial from which all others differ by parameters.
         gains: Gains of the configuration, by controller and name.
 
     Attributes:
         kind: Kind of experiment: `sweep`, `robustness` or `tune`.
         setup: The configuration of all its trials.
-        plan: Settings at its start, as plain data; the same plan is the same
+        plan: Settings at its start, as plain data; equal plans mean the same
             experiment.
     """
 
@@ -115,14 +114,14 @@ class Experiment(ABC):
 
     @property
     def stopped(self) -> str:
-        """Return the reason for the end; empty if there is none to state."""
+        """Return the reason for the end of the experiment; empty without one."""
         return ""
 
     @abstractmethod
     def run(
         self, results: Results, executor: Executor, watch: Watcher = lambda _: None
     ) -> Progress:
-        """Run it to its end.
+        """Run the experiment to its end.
 
         Args:
             results: File of the trials.
@@ -135,7 +134,7 @@ class Experiment(ABC):
 
 
 class SweepExperiment(Experiment):
-    """Trials under many values of parameters, evenly spread or by chance."""
+    """Trials with many values of parameters, evenly spread or random."""
 
     def __init__(self, request: ExperimentRequest, base: Trial, gains: Gains) -> None:
         super().__init__(request, base, gains)
@@ -154,12 +153,12 @@ class SweepExperiment(Experiment):
     def check(self, world: TrialWorld) -> None:
         """Refuse parameters that no trial could have.
 
-        A value that is out of the range of a gain fails its own trial alone.
+        It does not check ranges of gains: a value beyond one only fails its own trial.
 
         Raises:
             StationError: There is no such controller, gain or joint.
         """
-        # All points have the same names.
+        # All points have the same parameters, so one point is enough.
         world.check({**self._base.parameters, **self._points[0]})
 
     @override
@@ -208,7 +207,8 @@ class TuneExperiment(Experiment):
             "goal": goal_as_plan(self._goal),
             "gains": self._gains,
         }
-        # A search may go on for longer than it was asked at first.
+        # A search may be continued with more trials, so their number is no part of its
+        # plan.
         del self.plan["trials"]
 
     @property
@@ -243,8 +243,8 @@ def carry_out(
         watch: Called after every trial.
 
     Raises:
-        StationError: The experiment cannot go on, or another process runs it; what has
-            ended is kept.
+        StationError: The experiment cannot go on, or another process runs it; ended
+            trials are kept.
         KeyboardInterrupt: It was interrupted before its first trial.
     """
     with results.running():
@@ -277,13 +277,13 @@ def _carry_out(
 def prepare(
     setup: Setup, request: ExperimentRequest, live: Gains | None = None
 ) -> Experiment:
-    """Return an experiment that is ready to run; everything asked for is checked.
+    """Check a request, and return an experiment that is ready to run.
 
     Args:
         setup: The configuration of the trials.
         request: Request of the caller.
-        live: Gains in force by controller and name, of a running station; those of
-            the configuration when None.
+        live: Gains in force in a running station, by controller and name; None takes
+            those of the configuration.
 
     Raises:
         StationError: A name, a value or the configuration is not allowed.
@@ -318,11 +318,11 @@ def prepare(
 def _rescaled(
     request: ExperimentRequest, present: Mapping[str, float], found: Mapping[str, float]
 ) -> dict[str, float]:
-    """Return the gains that the parameters of a search change, from the present ones.
+    """Return the present gains, rescaled as the parameters of a search rescale them.
 
     Args:
         request: Request of the caller.
-        present: The gains before.
+        present: The gains before the search.
         found: Gains that follow from the configuration and the parameters.
     """
     begin = f"scale/{request.controller}/"
@@ -348,7 +348,7 @@ def _rescaled(
 def _changed(
     controller: str, gains: Mapping[str, float], configured: Gains
 ) -> dict[str, float]:
-    """Return the parameters for gains that are not those of the configuration."""
+    """Return the parameters that set gains which differ from the configuration."""
     before = configured.get(controller, {})
     return {
         f"gains/{controller}/{name}": value
@@ -362,7 +362,7 @@ def _script(world: TrialWorld, request: ExperimentRequest) -> Script:
 
     Raises:
         UnknownParameterError: The controller has no such joint.
-        ExperimentError: There is no script, and no motion can be made up.
+        ExperimentError: There is no script, and the station cannot make a default one.
         StationError: The controller is not loaded.
     """
     world.gains(request.controller)  # refuses a controller that is not loaded
@@ -394,7 +394,7 @@ def _script(world: TrialWorld, request: ExperimentRequest) -> Script:
 def _of_joints(
     gains: Mapping[str, float], joints: list[str] | None
 ) -> Mapping[str, float]:
-    """Return the gains of some joints; all when None.
+    """Return the gains of some joints; of all joints if `joints` is None.
 
     Raises:
         UnknownParameterError: A joint has no gains.

@@ -1,4 +1,4 @@
-"""Results as tables for other programs."""
+"""Export results as tables for other programs."""
 
 import csv
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ _ABOUT = ("number", "hash", "state", "reason", "seed", "seconds", "worker")
 def table(results: Results) -> list[dict[str, object]]:
     """Return a row per trial: its hash and state, its parameters, its metrics.
 
-    Columns of parameters are called `parameter:NAME`; a metric that a trial lacks is
+    The column of a parameter is named `parameter:NAME`; a metric that a trial lacks is
     None.
     """
     rows = results.rows()

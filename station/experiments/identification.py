@@ -1,4 +1,4 @@
-"""Friction and inertia of a joint from a motion, by least squares."""
+"""Identify friction and inertia of a joint from a motion, by least squares."""
 
 import math
 from dataclasses import dataclass
@@ -10,29 +10,31 @@ from station.trials.errors import ExperimentError, UnknownParameterError
 from station.trials.trace import Array, Trace
 
 _CONFIDENCE = 1.96
-"""Standard deviations of a normal distribution on either side of 95 %."""
+"""Number of standard deviations on either side that hold 95 % of a normal distribution.
+"""
 _LEAST_SPEED = 0.25
-"""Below this share of the largest speed, the sign of the Coulomb friction is unsure."""
+"""Share of the largest speed below which the sign of the Coulomb friction is uncertain.
+"""
 _WORST_CONDITION = 1e4
 _FEWEST = 50
-"""Fewest samples that are fitted."""
+"""Smallest number of samples for a fit."""
 
 
-# Share of the cycles that a joint must at least move each way.
+# Smallest share of the cycles in which a joint must move in each direction.
 _LEAST_WAY = 0.1
-# Share of each regressor that the others must leave unexplained. What the model lacks
-# shows in a parameter divided by it.
+# Smallest share of each regressor that the others must not explain. Errors of the model
+# appear in a parameter divided by this share.
 _LEAST_SHARE = 0.02
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A number with its confidence.
+    """A number with its confidence interval.
 
     Attributes:
         value: The number.
-        half_width: Half of the interval of 95 %, >= 0: what noise explains, and how far
-            parts of the motion put the number apart.
+        half_width: Half-width of the 95 % interval, >= 0, from the noise and from the
+            spread between parts of the motion.
         unit: Unit of both.
     """
 
@@ -43,16 +45,17 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class JointModel:
-    """`effort = inertia * ddq + viscous * dq + coulomb * sign(dq)`, beside the weight.
+    """`effort = inertia * ddq + viscous * dq + coulomb * sign(dq)`, without gravity.
 
     Attributes:
         joint: The joint.
-        inertia: Inertia of all that moves with it [kg m^2 or kg]; without the motor's
-            rotor where the robot measures efforts behind the gear, as a Franka does.
+        inertia: Inertia of all that moves with the joint [kg m^2 or kg]. It excludes
+            the motor's rotor if the robot measures efforts behind the gear, as a Franka
+            does.
         viscous: Viscous friction [Nm s/rad or N s/m].
         coulomb: Coulomb friction [Nm or N].
         residual: RMS of the effort that the model does not explain [Nm or N].
-        samples: How many samples were fitted.
+        samples: Number of samples of the fit.
     """
 
     joint: str
@@ -66,28 +69,28 @@ class JointModel:
 def identify(trace: Trace, joint: str, smoothing: int = 5) -> JointModel:
     """Return the model of a joint that fits a motion best.
 
-    The controller should hold the other joints. How their small motions and gravity act
-    on the joint is fitted, too: gravity as sine and cosine of its position, and the
-    coupling as a multiple of each other acceleration. Samples near rest, where Coulomb
+    The controller should hold the other joints. The fit includes gravity, as sine and
+    cosine of the joint's position, and the coupling to the small motions of the other
+    joints, as a multiple of each acceleration. Samples near rest, where Coulomb
     friction is not defined, are left out.
 
     Args:
         trace: The motion, e.g. a multisine with many reversals.
         joint: The joint.
-        smoothing: Half-width of the mean over which velocity is smoothed before it is
-            differentiated [cycles], >= 0. The same mean is taken of everything.
+        smoothing: Half-width of the moving mean that smooths velocities before they are
+            differentiated [cycles], >= 0. All other signals get the same mean.
 
     Raises:
         UnknownParameterError: The motion has no such joint.
-        ExperimentError: The motion does not tell the parameters apart.
+        ExperimentError: The motion does not determine the parameters.
     """
     if joint not in trace.joints:
         raise UnknownParameterError(
             f"The motion has no joint '{joint}'.", remedy=suggest(joint, trace.joints)
         )
     column = trace.joints.index(joint)
-    # The effort measured in a cycle has acted since the one before: it goes with the
-    # acceleration over that period, and the position and velocity in its middle.
+    # The effort measured in a cycle has acted since the cycle before. It belongs to the
+    # acceleration over that period, and to the position and velocity in its middle.
     accelerations = np.diff(trace.velocity, axis=0) / trace.period
     velocity = 0.5 * (trace.velocity[1:, column] + trace.velocity[:-1, column])
     position = 0.5 * (trace.position[1:, column] + trace.position[:-1, column])
@@ -100,7 +103,7 @@ def identify(trace: Trace, joint: str, smoothing: int = 5) -> JointModel:
     wanted = np.column_stack([accelerations[:, column], velocity, np.sign(velocity)])
     everything = np.column_stack([wanted, known, trace.effort[1:, column], velocity])
     smooth = _smooth(everything, smoothing)
-    # A smoothed sign that is not 1 or -1 is that of a reversal.
+    # A smoothed sign that is not 1 or -1 belongs to a reversal.
     moving = np.abs(smooth[:, -1]) > _LEAST_SPEED * largest
     moving &= np.abs(np.abs(smooth[:, 2]) - 1.0) < 1e-9
     if largest == 0.0 or moving.sum() < _FEWEST:
@@ -138,8 +141,8 @@ def _fit(
     Raises:
         ExperimentError: The regressors depend on each other.
     """
-    # What the other regressors explain is taken out first (Frisch and Waugh), so that
-    # the fit has the three parameters alone.
+    # First remove the part that the other regressors explain (Frisch and Waugh), so
+    # that the fit has only the three parameters.
     regressors = _without(known, wanted)
     target = _without(known, effort[:, None])[:, 0]
     scale = np.linalg.norm(wanted, axis=0)
@@ -156,12 +159,12 @@ def _fit(
     found, free = _solve(regressors, target, noise)
     residuals = target - regressors @ found
     freedom = len(target) - len(found) - known.shape[1]
-    # Neighbouring residuals are alike; only so many of them are independent.
+    # Neighbouring residuals are correlated, so fewer of them are independent.
     variance = float(residuals @ residuals) / freedom * _correlation_time(residuals)
     covariance = variance * np.linalg.inv(regressors.T @ regressors)
     spread = _model_error(regressors, target, free, noise)
     widths = np.hypot(_CONFIDENCE * np.sqrt(np.diag(covariance)), spread)
-    # A friction that is 0 because it would be negative is as unsure as that.
+    # If a negative friction was set to 0, its uncertainty includes that change.
     widths = np.maximum(widths, np.abs(free - found))
     units = ("kg m^2 or kg", "Nm s/rad or N s/m", "Nm or N")
     inertia, viscous, coulomb = (
@@ -173,15 +176,15 @@ def _fit(
 
 
 def _solve(regressors: Array, target: Array, noise: float) -> tuple[Array, Array]:
-    """Return the parameters without negative friction, and those of the free fit.
+    """Return the parameters without negative friction, and those of an unbounded fit.
 
-    Noise of a regressor draws its parameter towards zero: the mean square of the
-    accelerations contains that of their noise, which is taken out of it (W. A. Fuller:
+    Noise in a regressor biases its parameter towards zero. The mean square of the
+    accelerations contains that of their noise, which is subtracted (W. A. Fuller:
     Measurement Error Models, 1987, section 1.2).
     """
     gram: Array = regressors.T @ regressors
     moment: Array = regressors.T @ target
-    # Not more than half: a motion that hardly shows has no inertia to be found.
+    # Subtract at most a half: a motion that is hardly above the noise shows no inertia.
     gram[0, 0] -= min(len(target) * noise * noise, 0.5 * gram[0, 0])
     free = np.asarray(np.linalg.solve(gram, moment), np.float64)
     found, kept = free.copy(), [0, 1, 2]
@@ -195,10 +198,10 @@ def _solve(regressors: Array, target: Array, noise: float) -> tuple[Array, Array
 def _model_error(regressors: Array, target: Array, free: Array, noise: float) -> Array:
     """Return the spread of each parameter between parts of the motion, shape (3,).
 
-    Friction that is no line over the speed, elasticity and coupling that the model
-    lacks are the same at every repetition: residuals do not show how far they draw a
-    parameter, but they draw it elsewhere when the joint is slow or fast, or when its
-    speed is steady or changes.
+    Effects that the model lacks, such as nonlinear friction, elasticity and coupling,
+    are the same at every repetition, so the residuals do not show how far they bias a
+    parameter. But the bias differs between slow and fast parts of the motion, and
+    between parts with steady and with changing speed.
     """
     speed, direction = np.abs(regressors[:, 1]), regressors[:, 2]
     acceleration = np.abs(regressors[:, 0])
@@ -217,8 +220,8 @@ def _white_noise(values: Array) -> float:
     """Return the standard deviation of the white noise in a smooth signal."""
     if len(values) < 4:
         return 0.0
-    # A third difference of white noise has a variance of 20 times the noise's; the
-    # median is not disturbed by the few steps of a motion.
+    # A third difference of white noise has 20 times its variance. The few jumps of a
+    # motion do not disturb the median.
     return float(np.median(np.abs(np.diff(values, 3)))) / (0.6745 * math.sqrt(20.0))
 
 
@@ -232,7 +235,7 @@ def _without(known: Array, values: Array) -> Array:
 
 
 def _correlation_time(residuals: Array) -> float:
-    """Return over how many samples residuals are alike, >= 1."""
+    """Return the number of samples over which residuals are correlated, >= 1."""
     centred = residuals - residuals.mean()
     power = float(centred @ centred)
     if power == 0.0:

@@ -1,4 +1,4 @@
-"""Pictures of an experiment, as PNG."""
+"""Draw an experiment as a PNG picture."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,12 +21,12 @@ def plot(results: Results, kind: str, path: Path, metrics: Sequence[str] = ()) -
 
     Args:
         results: The experiment.
-        kind: `parallel`: a line per trial through its parameters and metrics;
-            `pareto`: two metrics, with the trials that none beats in both;
-            `responses`: the error of the best, median and worst trial over time.
+        kind: `parallel`: a line per trial through its parameters and metrics; `pareto`:
+            two metrics, with the trials that no other trial beats in both; `responses`:
+            the error of the best, median and worst trial over time.
         path: The `.png` file.
-        metrics: Metrics to rank by: the first of `parallel` and `responses`, two of
-            `pareto`; `rms_error` and `effort_rms` when empty.
+        metrics: Metrics that rank the trials: `parallel` and `responses` use the first,
+            `pareto` the first two; empty for `rms_error` and `effort_rms`.
 
     Raises:
         ExperimentError: Nothing can be drawn, or the file cannot be written.
@@ -76,7 +76,7 @@ def _parallel(figure: Figure, rows: Sequence[Row], metrics: Sequence[str]) -> No
     for place, line in reversed(list(enumerate(lines))):
         share = place / max(1, len(lines) - 1)
         axes.plot(line, color=(share, 0.3, 1.0 - share), alpha=0.5, linewidth=0.8)
-    # Names of gains are long, and most of it is the same in all of them.
+    # Names of gains are long and begin alike, so leave out the common beginning.
     folder = commonpath(names) if len(names) > 1 else ""
     short = [name.removeprefix(f"{folder}/") for name in names]
     labels = [

@@ -18,7 +18,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 NICENESS = 10
-"""Niceness of processes that run trials: they never delay a station."""
+"""Niceness of processes that run trials, so that they do not delay a station."""
 
 
 class InThisProcess(Executor):
@@ -37,17 +37,17 @@ class InThisProcess(Executor):
 
 
 class ProcessPool(Executor):
-    """Worker processes that are replaced when one of them dies.
+    """Worker processes; when one of them dies, new processes replace all.
 
-    The pool of the standard library is of no use any more once a process has died: all
-    its futures end with `BrokenProcessPool`. This one begins a new pool with the next
-    `submit`, so that the caller can hand the lost work out again.
+    The pool of the standard library cannot be used after a process has died: all its
+    futures end with `BrokenProcessPool`. This pool starts a new one at the next
+    `submit`, so that the caller can submit the lost work again.
 
     Args:
-        workers: How many processes, >= 1.
+        workers: Number of processes, >= 1.
 
     Attributes:
-        worker_count: How many processes.
+        worker_count: Number of processes.
     """
 
     def __init__(self, workers: int) -> None:
@@ -77,7 +77,7 @@ class ProcessPool(Executor):
             process.kill()
 
     def _begin(self) -> ProcessPoolExecutor:
-        # A fork would copy locks and MuJoCo's memory in whatever state they are.
+        # A fork would copy locks and MuJoCo's memory in an undefined state.
         return ProcessPoolExecutor(
             self.worker_count,
             get_context("spawn"),
@@ -88,10 +88,10 @@ class ProcessPool(Executor):
 
 @contextmanager
 def _no_interrupts() -> Iterator[None]:
-    """Hold SIGINT back in this thread, and in processes that it begins meanwhile.
+    """Block SIGINT in this thread, and in processes that it starts meanwhile.
 
-    Ctrl-C goes to all processes of a terminal. A worker ignores it as soon as
-    `begin_worker` runs; until then, while it still imports, it must not die of it.
+    Ctrl-C goes to all processes of a terminal. A worker ignores SIGINT as soon as
+    `begin_worker` runs; until then, while it imports modules, SIGINT must not kill it.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -104,7 +104,7 @@ def make_pool(workers: int | None = None) -> Executor:
     """Return worker processes of low priority.
 
     Args:
-        workers: How many, >= 1; one per processor when None; with 0, trials run in
+        workers: Number of processes, >= 1; None for one per processor; 0 runs trials in
             this process.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Recordings and incidents of a station as the script or the motion of a trial."""
+"""Read recordings and incidents as the script or the motion of a trial."""
 
 from pathlib import Path
 
@@ -14,11 +14,11 @@ from station.trials.trial import Script
 from station.wire.excitations import MOST_RECORDED, Recorded
 
 SUFFIX = ".mcap"
-"""How the name of a recording ends."""
+"""Ending of the name of a recording's file."""
 _SAMPLE = 20
 """Cycles between two values of a motion without jumps."""
 _FASTEST = 10.0
-"""A set-point that moves faster than this has jumped [rad/s or m/s]."""
+"""Speed of a set-point above which it counts as a jump [rad/s or m/s]."""
 _NOTHING = 1e-9
 """Smaller offsets of positions come from rounding [rad or m]."""
 _JOINTS = f"{JOINT_STATES.strip('/')}/"
@@ -28,18 +28,18 @@ _POSITION = f"{_JOINTS}position/"
 def recorded_script(path: Path, controller: str) -> Script:
     """Return a controller's recorded requests as a script.
 
-    The script has its set-points in the longest time in which the controller ran
-    without a break, a reset or a stop, and begins where the joints were then, at rest.
-    Forces on the robot are not recorded, so that the script has none.
+    The script has the set-points of the longest time in which the controller ran
+    without a gap, a reset or a stop. It begins at the positions of the joints at that
+    time, at rest. Forces on the robot are not recorded, so the script has none.
 
     Args:
         path: The file of a recording or an incident.
         controller: The controller.
 
     Raises:
-        RecordingFileError: The file is no whole recording.
-        ExperimentError: The controller did not run in it, or its set-points are not
-            those of joints.
+        RecordingFileError: The file is not a complete recording.
+        ExperimentError: The controller did not run in the recording, or its set-points
+            are not those of joints.
     """
     wanted = f"{CONTROLLERS}{controller}"
     table = columns(path, [CYCLES, JOINT_STATES, wanted])
@@ -74,7 +74,8 @@ def recorded_script(path: Path, controller: str) -> Script:
             )
         values = desired[rows, column]
         measured = table[f"{start.replace('/desired/', '/actual/')}{name}"][rows]
-        # What it is compared with tells what a set-point is.
+        # The measured quantity that the controller compares with a set-point tells its
+        # kind.
         is_position = np.array_equal(measured, table[f"{_POSITION}{name}"][rows])
         jump = np.abs(np.diff(values)).max(initial=0.0)
         is_smooth = is_smooth and is_position and jump <= _FASTEST * period
@@ -96,11 +97,11 @@ def recorded_trace(path: Path) -> Trace:
     """Return the measured motion of all joints in a recording.
 
     Args:
-        path: The file of a recording or an incident. Of one with gaps or resets, the
-            longest part without is taken.
+        path: The file of a recording or an incident. If it has gaps or resets, the
+            longest part without them is read.
 
     Raises:
-        RecordingFileError: The file is no whole recording.
+        RecordingFileError: The file is not a complete recording.
         ExperimentError: The recording has no cycle in which all joints were measured.
     """
     table = columns(path, [CYCLES, JOINT_STATES])
@@ -130,7 +131,8 @@ def _longest_run(table: Columns, wanted: Array) -> slice:
 
     Args:
         table: The recording.
-        wanted: The numbers that must not be missing, NaN where they are, shape (k, n).
+        wanted: Numbers that must be present, with NaN for a missing number, shape (k,
+            n).
 
     Raises:
         ExperimentError: There is no usable cycle.
@@ -157,12 +159,13 @@ def _command(joint: str, offsets: Array, period: float, *, is_smooth: bool) -> R
 
     Args:
         joint: The joint.
-        offsets: In each cycle, shape (k,).
+        offsets: Offset in each cycle [unit of the set-point], shape (k,).
         period: Time between two cycles [s].
-        is_smooth: Whether the offsets are a curve; each jump is kept otherwise.
+        is_smooth: Whether the offsets form a smooth curve; otherwise every jump is
+            kept.
 
     Raises:
-        ExperimentError: There are too many of them.
+        ExperimentError: There are too many values.
     """
     if is_smooth:
         chosen = np.arange(0, len(offsets), _SAMPLE)

@@ -1,4 +1,4 @@
-"""Hands trials to an executor and keeps the results."""
+"""Submit trials to an executor, and keep their results."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
@@ -14,14 +14,16 @@ from station.trials.results import Results
 from station.trials.trial import Trial, TrialResult
 
 _AHEAD = 4
-"""Tasks in hand per worker: enough to keep it busy, too few to need memory."""
+"""Submitted tasks per worker: enough to keep it busy, few enough to save memory."""
 _TASK = 0.5
-"""What a task of several trials takes [s]: handing it to a worker of a cluster and
-fetching what came out takes some 10 ms (benchmarks/bench_experiments.py, `cluster`)."""
+"""Aimed duration of a task of several trials [s]. Sending it to a worker of a cluster
+and fetching the results takes about 10 ms (benchmarks/bench_experiments.py, `cluster`).
+"""
 _ATTEMPTS = 5
-"""How often a trial is given away when workers refuse it or its worker goes."""
+"""Most submissions of a trial, if workers refuse it or its worker leaves."""
 _DEATHS = 5
-"""After so many processes that died one after the other, the fault is not a trial's."""
+"""Number of processes that may die one after the other; with more, the fault is not
+that of a trial, and the experiment fails."""
 
 
 @dataclass(slots=True)
@@ -29,12 +31,12 @@ class Progress:
     """The progress of an experiment.
 
     Attributes:
-        total: How many trials it has.
-        ended: How many have ended, the ones of earlier runs among them.
-        failed: How many have failed since the runner was made.
-        resumed: How many had ended before the runner was asked for them.
-        repeated: How often a trial was given away again since the runner was made.
-        refused: Why workers were refused, each reason once.
+        total: Number of trials of the experiment.
+        ended: Number of ended trials, including those of earlier runs.
+        failed: Number of trials that have failed since the runner was made.
+        resumed: Number of trials that had ended before this run.
+        repeated: Number of repeated submissions since the runner was made.
+        refused: Reasons for which workers were refused, each once.
         is_interrupted: Whether Ctrl-C ended it early.
     """
 
@@ -49,27 +51,27 @@ class Progress:
 
 Watcher = Callable[[Progress], None]
 _Waiting = dict[Future[list[TrialResult]], tuple[Sequence[Trial], int]]
-"""The tasks in hand: the trials of each, and how often it was given away."""
+"""The submitted tasks: the trials of each, and the number of its attempt."""
 
 
 class Runner:
     """Runs trials on an executor; the results have each trial as soon as it ends.
 
-    Short trials travel together in tasks of half a second, and are in the
-    results when their task ends.
+    Short trials are submitted together in tasks of half a second; the results have them
+    when the task ends.
 
-    Trials that the results have already are not run again, so that an experiment that
-    was interrupted or killed goes on where it was.
+    Trials that the results already have are not run again, so that an interrupted or
+    killed experiment goes on where it ended.
 
-    A process that dies takes the trials along that were in hand. Each of them is run
-    once more, alone: one whose process dies again has failed, and the others go on.
+    When a process dies, its submitted trials are lost. Each of them is run once more by
+    itself. A trial whose process dies again has failed, and the others go on.
 
     Args:
         results: File of the trials.
         executor: Runs the trials; its owner shuts it down.
-        watch: Called after every trial, when workers were refused or lost, and of
+        watch: Called after every trial, after the refusal or loss of workers, and after
             Ctrl-C.
-        sleep: Waits [s] before a trial is given away again.
+        sleep: Function that waits for a time [s], before a trial is submitted again.
     """
 
     def __init__(
@@ -95,12 +97,13 @@ class Runner:
     def run(self, trials: Iterable[Trial], total: int) -> Progress:
         """Run trials until all have ended or Ctrl-C.
 
-        With Ctrl-C, no further trial begins, and those that run may end.
+        After Ctrl-C no further trial begins, and the running trials may end.
 
         Args:
-            trials: The trials, all of the results' setup; taken as they are needed.
-            total: How many the experiment has, for the progress; also how many
-                `trials` has if it has no length.
+            trials: The trials, which all have the setup of the results; they are read
+                as needed.
+            total: Number of trials of the experiment, for the progress; also the length
+                of `trials` if it has none.
 
         Raises:
             ExperimentError: Workers die or refuse again and again; what has ended is
@@ -120,7 +123,7 @@ class Runner:
                 if not waiting:
                     self._give(self._lost[:1], 1, waiting)
                 done, _ = wait(waiting, return_when=FIRST_COMPLETED)
-                # In the order in which they were given away: sets have none.
+                # Collect in the order of submission, because a set has no order.
                 for future in [one for one in waiting if one in done]:
                     self._collect(future, waiting, progress)
         except KeyboardInterrupt:
@@ -146,17 +149,17 @@ class Runner:
                 self._watch(progress)
 
     def _fill(self, waiting: _Waiting, left: Iterator[Trial]) -> bool:
-        """Give trials away until enough are in hand; return whether one was given.
+        """Submit trials until enough tasks wait; return whether any was submitted.
 
-        None is given away while lost ones wait: these must be alone to show which one
-        its process dies of.
+        It submits none while lost trials wait: each of these must run by itself, to
+        show whether its process dies of it.
         """
         if self._lost:
             return False
         has_given = False
         tasks = _AHEAD * worker_count(self._executor)
         while len(waiting) < tasks:
-            # The last trials are spread over all workers.
+            # Spread the last trials over all workers.
             share = self._remaining // tasks
             quick = int(_TASK / self._longest) if self._longest > 0.0 else share
             task = list(islice(left, max(1, min(share, quick))))
@@ -184,10 +187,10 @@ class Runner:
     def _collect(
         self, future: Future[list[TrialResult]], waiting: _Waiting, progress: Progress
     ) -> None:
-        """Keep the results of a task, or give its trials away again.
+        """Keep the results of a task, or submit its trials again.
 
         Raises:
-            ExperimentError: The trials were given to workers too often.
+            ExperimentError: The trials were submitted too often.
         """
         trials, attempt = waiting.pop(future)
         is_alone = trials[0] in self._lost
@@ -213,7 +216,7 @@ class Runner:
                     "the workers are in order.",
                 ) from error
             progress.repeated += len(trials)
-            self._sleep(0.1 * attempt)  # a cluster needs a moment to see what it lost
+            self._sleep(0.1 * attempt)  # a cluster needs a moment to notice its loss
             self._give(trials, attempt + 1, waiting)
             return
         else:
@@ -230,11 +233,11 @@ class Runner:
     def _died_again(self, trial: Trial, error: BaseException) -> TrialResult | None:
         """Return the failure of a lost trial whose process has died again.
 
-        As long as no trial has ended, the fault may be that of the machine: the trial
-        then goes behind the other lost ones, and None is returned.
+        Until a trial has ended, the cause may be the machine. The trial then waits
+        behind the other lost ones, and the method returns None.
 
         Raises:
-            ExperimentError: No process lives any more.
+            ExperimentError: Too many processes have died in a row.
         """
         self._deaths += 1
         if self._deaths >= _DEATHS or (not self._has_one_ended and len(self._lost) < 2):
@@ -251,7 +254,7 @@ class Runner:
         return TrialResult(trial.hash, "failed", reason, {}, 0.0, "")
 
     def _note_refusals(self, progress: Progress) -> None:
-        """Tell of workers that the executor has refused since the last time."""
+        """Report the workers that the executor has refused since the last report."""
         found = refusals(self._executor).values()
         new = [reason for reason in found if reason not in progress.refused]
         if new:
@@ -259,7 +262,7 @@ class Runner:
             self._watch(progress)
 
     def _let_run_end(self, waiting: _Waiting, progress: Progress) -> None:
-        """Keep the trials that run; the others are taken back."""
+        """Wait for the running trials and keep them; cancel the others."""
         for future in list(waiting):
             if future.cancel():
                 del waiting[future]

@@ -1,8 +1,8 @@
 """A simulated station that runs one trial after the other.
 
-A world is built once and put back between trials: models, gains, noise and time begin
-anew, so that a trial gives the same numbers, bit for bit, in a world that has run
-others before.
+A world is built once and reset between trials: model, gains, noise and time get their
+initial values. So a trial gives the same numbers, bit for bit, in a world that has run
+other trials before.
 """
 
 import os
@@ -33,11 +33,12 @@ from station.trials.trial import Script, Setup, Trial, TrialResult, digest_of
 from station.wire.excitations import Push, Waypoints
 
 _LOOK = 100
-"""Cycles between two looks at how the trial goes. The ring of snapshots keeps 4096."""
+"""Cycles between two checks of the trial's progress. The ring of snapshots keeps 4096.
+"""
 
 
 class TrialWorld:
-    """Runs the trials of one setup. One thread.
+    """Runs the trials of one setup. Only one thread may use it.
 
     Args:
         setup: The configuration.
@@ -47,7 +48,7 @@ class TrialWorld:
         station: The station in which the trials run.
         begin_positions: Positions of the joints at the beginning, by name [rad or m].
         robot_digest: Digest of the robot's bodies and joints, which come from files
-            beside the setup: worlds with the same digest move alike.
+            outside of the setup; worlds with the same digest move alike.
 
     Raises:
         ExperimentError: The robot is not simulated with MuJoCo.
@@ -102,11 +103,11 @@ class TrialWorld:
         return {name: dict(values) for name, values in self._gains.items()}
 
     def model(self) -> mujoco.MjModel:
-        """Return MuJoCo's model of the robot; a change of it changes the world."""
+        """Return MuJoCo's model of the robot; changing it changes the world."""
         return self._world.model
 
     def data(self) -> mujoco.MjData:
-        """Return MuJoCo's state of the robot, to look at."""
+        """Return MuJoCo's state of the robot, for reading only."""
         return self._world.data
 
     def joint_inertia(self, joint: str) -> float:
@@ -114,7 +115,7 @@ class TrialWorld:
         return self._world.joints([joint]).read_inertia()[0]
 
     def run(self, trial: Trial) -> TrialResult:
-        """Run a trial and return its result; a trial that is refused has failed."""
+        """Run a trial and return its result; a refused trial counts as failed."""
         return self.record(trial)[0]
 
     def record(self, trial: Trial) -> tuple[TrialResult, Trace | None]:
@@ -142,7 +143,7 @@ class TrialWorld:
         return result, trace
 
     def _begin(self, trial: Trial) -> Reference:
-        """Put everything back, apply the trial's parameters, start its controller.
+        """Reset the world, apply the trial's parameters, and start its controller.
 
         Raises:
             StationError: A name or value of the trial is not allowed.
@@ -163,13 +164,14 @@ class TrialWorld:
         station.reset(script.begin)
         station.step()
         station.switch(start=[script.controller])
-        # What the joints begin at is settled without noise.
+        # Compute the reference before noise begins, so that it starts at exact
+        # positions.
         reference = make_reference(facade, script)
         self._noise.begin(wanted.position_noise, wanted.velocity_noise, trial.seed)
         return reference
 
     def put_back(self) -> None:
-        """Bring the station into the state in which every trial begins."""
+        """Bring the station into the initial state of every trial."""
         station, facade = self.station, self.station.facade
         self._noise.begin(0.0, 0.0, 0)
         self._delay.begin(0)
@@ -183,8 +185,8 @@ class TrialWorld:
         self._mechanics.restore()
         station.reset()
         facade.robots.recover_all()
-        # Controllers compute with differences of station time, whose rounding depends
-        # on how late it is. None runs now that would see time go back.
+        # Controllers compute differences of station time, whose rounding depends on the
+        # value of the time. No controller runs now that could see time go back.
         facade.loop.control_cycle.time = 0.0
 
     def gains_of(self, trial: Trial) -> dict[str, dict[str, float]]:
@@ -205,7 +207,7 @@ class TrialWorld:
         return {controller: gains for controller, gains in changed.items() if gains}
 
     def check(self, parameters: Mapping[str, float]) -> None:
-        """Refuse parameters of things that the robot and its controllers lack.
+        """Refuse parameters of joints, gains or controllers that the station lacks.
 
         Raises:
             StationError: A name or value is not allowed.
@@ -228,10 +230,11 @@ class TrialWorld:
         return gains_under(wanted, self._gains)
 
     def _check_loaded(self, controller: str) -> None:
-        """Refuse a controller that is not loaded, and say why it is not.
+        """Refuse a controller that is not loaded; the error has the reason.
 
         Raises:
-            StationError: It was not loaded; the error of its loading, if any.
+            StationError: The controller is not loaded; if its loading failed, that
+                error.
         """
         not_loaded = self.station.not_loaded.get(controller)
         if not_loaded is not None:
@@ -241,10 +244,10 @@ class TrialWorld:
     def _play(
         self, script: Script, reference: Reference
     ) -> tuple[Trace, Counts, str | None]:
-        """Play the script; return cycles, counts, and the reason of an early end.
+        """Run the script; return its trace, counts, and the reason of an early end.
 
         Raises:
-            StationError: The controller runs, and refuses a command.
+            StationError: The controller refuses a command although it runs.
         """
         station, facade = self.station, self.station.facade
         recorder = TraceRecorder(facade, script.controller)
@@ -258,7 +261,7 @@ class TrialWorld:
             try:
                 reference.command(cycle)
             except StationError:
-                # A controller that was stopped since the last look takes no commands.
+                # A controller that has stopped since the last check refuses commands.
                 reason = self._why_ended(script.controller)
                 if reason is None:
                     raise
@@ -299,7 +302,7 @@ class TrialWorld:
 
 
 def _by_joint(values: Mapping[str, float], joints: Sequence[str]) -> dict[str, float]:
-    """Return values for single joints; the value of "" is that of all others."""
+    """Return the value of each joint; the value of "" is for all other joints."""
     common = {} if "" not in values else dict.fromkeys(joints, values[""])
     return common | {joint: value for joint, value in values.items() if joint}
 
@@ -315,14 +318,14 @@ def _at_cycles(script: Script, period: float, cycles: int) -> dict[int, list[Pus
 
 
 _WAY = 0.1
-"""How far a joint goes, if a tenth of its range is not less [rad or m]."""
+"""Largest step of a joint [rad or m]; a tenth of its range if that is less."""
 _TIMES = (0.4, 0.8, 1.2, 1.5)
 _SHARES = (2.0, 0.0, 1.0, 0.0)
 _DURATION = 2.0
 
 
 def default_script(world: TrialWorld, controller: str) -> Script:
-    """Return a script of 2 s in which all joints move to and fro, and rest.
+    """Return a script of 2 s in which all joints move back and forth, and rest.
 
     Raises:
         ExperimentError: The controller commands no positions of joints.
@@ -346,9 +349,10 @@ def small_motions(
     Args:
         world: World in which the controller is loaded.
         controller: Its name.
-        times: When the waypoints are reached [s], > 0 and increasing, shape (k,).
-        shares: Waypoints, in steps of 0.1 rad or m or of a tenth of the range of
-            the joint if that is less, shape (k,).
+        times: Times at which the waypoints are reached [s], > 0 and increasing, shape
+            (k,).
+        shares: Waypoints as multiples of a step, shape (k,). The step is 0.1 rad or m,
+            or a tenth of the joint's range if that is less.
 
     Returns:
         One motion per joint; none when the controller commands no positions of joints.

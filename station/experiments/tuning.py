@@ -1,4 +1,4 @@
-"""Search for better gains with CMA-ES, beginning at the present ones."""
+"""Search for better gains with CMA-ES, starting from the present ones."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,9 +16,9 @@ from station.trials.trial import Trial, TrialResult
 if TYPE_CHECKING:
     import cma
 
-# The best gains lie where a bound is just kept. So the search sees a bound as a slope,
-# which gets steeper while fewer than a share of a generation keep all bounds, and less
-# steep while more of them do.
+# The best gains lie where a bound is just kept. So the search gets a penalty for a
+# bound instead of a hard limit. The penalty gets steeper while fewer than a given share
+# of a generation keep all bounds, and less steep while more of them do.
 _STRICTNESS = 10.0
 _STRICTER = 1.3
 _KEPT = 0.4
@@ -27,15 +27,15 @@ _INSIDE = 1e-3
 
 @dataclass(slots=True)
 class Tuned:
-    """The end of a search.
+    """The result of a search.
 
     Attributes:
         first: The trial at which it began.
         first_result: Result of the first trial.
-        best: The best trial that keeps all bounds; `first` when none is better.
+        best: The best trial that keeps all bounds; `first` if no trial is better.
         best_result: Result of the best trial.
-        best_cost: Its cost; that of `first` is 1.
-        progress: How far the search came.
+        best_cost: Cost of the best trial; `first` has the cost 1.
+        progress: Progress of the search.
         stopped: Why it ended.
     """
 
@@ -53,11 +53,11 @@ class Search:
     """The options of a search.
 
     Attributes:
-        trials: Most trials, the first one among them, >= 2; a generation that does
-            not fit any more is left out.
+        trials: Most trials, including the first one, >= 2; a generation that would
+            exceed it is left out.
         seed: Seed of CMA-ES, >= 0.
-        spread: First standard deviation of the logarithms of the gains, > 0.
-        farthest: Largest factor by which a gain may change either way, > 1.
+        spread: Initial standard deviation of the logarithms of the gains, > 0.
+        farthest: Largest factor by which a gain may grow or shrink, > 1.
         patience: Number of generations without a better trial after which the search
             ends, >= 1.
 
@@ -84,11 +84,11 @@ def tunable_gains(
 ) -> dict[str, float]:
     """Return the gains that a search changes: positive ones with a suffix.
 
-    A gain of 0 is a decision that a factor cannot change.
+    A gain of 0 stays 0, because the search multiplies gains by factors.
 
     Args:
         gains: Gains by name, such as `panda_joint1/p`.
-        suffixes: Ends of their names, after a `/`, or whole names.
+        suffixes: Endings of their names after a `/`, or whole names.
 
     Raises:
         UnknownParameterError: No gain can be tuned.
@@ -119,20 +119,20 @@ def tune(
 ) -> Tuned:
     """Search for the gains with the lowest cost.
 
-    The generations follow from the seed and the results only. So a search that was
-    killed goes on where it was, and finds the same on any number of workers.
+    The generations depend only on the seed and the results. So a killed search goes on
+    where it ended, and finds the same gains with any number of workers.
 
     Args:
-        first: The trial at which it begins, with the present gains.
-        gains: The gains that may change, by parameter (`gains/arm/panda_joint1/p`), and
-            where they begin, > 0.
+        first: The trial from which the search starts, with the present gains.
+        gains: Initial values of the gains that may change, by parameter
+            (`gains/arm/panda_joint1/p`), > 0.
         goal: Measure by which trials are compared.
-        search: How it is done.
+        search: Options of the search.
         results: File of the trials.
         executor: Runs the trials.
         watch: Called after every trial.
-        ranges: Smallest and largest allowed value of gains, by parameter; a gain that
-            is not among them may have any.
+        ranges: Smallest and largest allowed value of gains, by parameter; other gains
+            may have any value.
 
     Raises:
         ExperimentError: The first trial fails, or lacks a metric of the goal.
@@ -197,9 +197,9 @@ class _Space:
     """The space of a search: the logarithms of factors on the gains.
 
     Args:
-        gains: The gains at which it begins, by parameter, > 0.
-        ranges: Their smallest and largest values, as far as there are any.
-        search: How the search is done.
+        gains: Initial gains, by parameter, > 0.
+        ranges: Smallest and largest values of gains that have limits, by parameter.
+        search: Options of the search.
     """
 
     def __init__(
@@ -217,24 +217,25 @@ class _Space:
             self._bounds.append((max(low, least), min(high, most)))
 
     def strategy(self) -> "cma.CMAEvolutionStrategy":
-        """Return the search, which begins where all factors are 1."""
+        """Return CMA-ES, which starts where all factors are 1."""
         import cma
 
         begin = self._gains.values()
         edges = [
-            # It cannot begin on an edge; `gains_at` does not go beyond it.
+            # CMA-ES cannot start on an edge, so widen the range; `gains_at` keeps the
+            # true limit.
             (min(math.log(low / x), -_INSIDE), max(math.log(high / x), _INSIDE))
             for x, (low, high) in zip(begin, self._bounds, strict=True)
         ]
         lows, highs = (list(each) for each in zip(*edges, strict=True))
-        # A seed of 0 means the clock to cma.
+        # For cma a seed of 0 means the clock.
         options = {"seed": self._search.seed + 1, "bounds": [lows, highs]}
         return cma.CMAEvolutionStrategy(
             [0.0] * len(lows), self._search.spread, {**options, "verbose": -9}
         )
 
     def gains_at(self, point: Iterable[float]) -> dict[str, float]:
-        """Return the gains at a point, with six digits."""
+        """Return the gains at a point, rounded to six digits."""
         found = {}
         for (name, value), x, (low, high) in zip(
             self._gains.items(), point, self._bounds, strict=True
@@ -249,7 +250,7 @@ def _judge(
 ) -> list[TrialResult]:
     """Return the results up to the first trial that has not ended; note a better one.
 
-    Only a trial that keeps all bounds is better.
+    Only a trial that keeps all bounds can be better.
     """
     ended: list[TrialResult] = []
     for trial in candidates:
@@ -264,6 +265,6 @@ def _judge(
 
 
 def _of_search(progress: Progress, results: Results, total: int) -> Progress:
-    """Return the progress of the whole search, given that of a generation."""
+    """Return the progress of the whole search from that of a generation."""
     ended = results.count()
     return replace(progress, total=max(total, ended), ended=ended)

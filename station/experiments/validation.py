@@ -1,4 +1,4 @@
-"""Checks of a robot against its description, and a page of their results."""
+"""Check a robot against its description, and make a page of the results."""
 
 import copy
 import html
@@ -20,11 +20,12 @@ from station.wire.excitations import Waypoints
 Outcome = Literal["passed", "failed", "skipped"]
 
 IDLE_MOTION = 0.01
-"""How far a joint that nobody commands may move in a second [rad or m]."""
+"""How far a joint without commands may move in a second [rad or m]."""
 GOAL_ERROR = 0.02
 """How far from its goal a joint may end [rad or m]."""
 ENERGY_DRIFT = 0.02
-"""How much of the largest kinetic energy may come or go in a second of free motion."""
+"""Largest change of energy in a second of free motion, as a share of the largest
+kinetic energy."""
 _MOVING_TIME = 1.5
 _RESTING_TIME = 0.5
 
@@ -34,7 +35,7 @@ class Check:
     """One line of a scorecard.
 
     Attributes:
-        name: Subject of the check.
+        name: Name of the check.
         outcome: `passed`, `failed`, or `skipped` when it does not apply.
         detail: Observation, in one sentence.
     """
@@ -64,7 +65,7 @@ class Scorecard:
         return all(check.outcome != "failed" for check in self.checks)
 
     def to_html(self) -> str:
-        """Return the scorecard as a page without scripts and other files."""
+        """Return the scorecard as an HTML page that needs no scripts or other files."""
         rows = "\n".join(
             f'<tr class="{c.outcome}"><td>{html.escape(c.name)}</td>'
             f"<td>{c.outcome}</td><td>{html.escape(c.detail)}</td></tr>"
@@ -85,7 +86,7 @@ class Scorecard:
 
 
 _MOST_REPAIRS = 12
-"""How many repairs of a description a scorecard tells."""
+"""Most repairs of a description that a scorecard lists."""
 _PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Scorecard of {robot}</title>
 <style>
@@ -159,7 +160,7 @@ def _limits(world: TrialWorld) -> Check:
     reports = world.station.facade.loop.hw.joint_limits()
     known = {report.joint for report in reports}
     without = [joint for joint in world.station.joint_names if joint not in known]
-    # Nothing can command a joint without a motor, such as one that mimics another.
+    # A joint without a motor cannot be commanded, e.g. one that mimics another joint.
     driven = [joint for joint in without if _has_motor(world.model(), joint)]
     problems = [f"{joint} has no limits" for joint in driven]
     problems += [problem for report in reports for problem in _gaps(report)]
@@ -186,13 +187,13 @@ def _gaps(report: JointLimitsReport) -> Iterator[str]:
 
 
 def _energy(model: mujoco.MjModel) -> Check:
-    """Let a copy of the robot fall without motors, friction and contacts."""
+    """Check the energy of a copy that falls without motors, friction and contacts."""
     name = "energy of free motion"
     model = copy.deepcopy(model)
     model.dof_damping[:] = model.dof_frictionloss[:] = 0.0
     model.body_gravcomp[:] = model.jnt_stiffness[:] = 0.0
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    # Stops and limits of joints would take energy away, too.
+    # Limits of joints would also take energy away.
     disabled = mujoco.mjtDisableBit
     model.opt.disableflags |= (
         disabled.mjDSBL_CONTACT | disabled.mjDSBL_LIMIT | disabled.mjDSBL_ACTUATION
@@ -218,7 +219,7 @@ def _energy(model: mujoco.MjModel) -> Check:
 
 
 def _at_rest(world: TrialWorld) -> Check:
-    """Let the robot stand without a controller."""
+    """Check that the robot stays at rest without a controller."""
     name = "holds its weight without a controller"
     robot = world.station
     world.put_back()
@@ -238,7 +239,7 @@ def _at_rest(world: TrialWorld) -> Check:
 
 
 def _touching(world: TrialWorld) -> str:
-    """Return a sentence on links that touch each other now; empty when none do."""
+    """Return a sentence about links that touch each other now; empty if none do."""
     model, data = world.model(), world.data()
     pairs = sorted({
         tuple(sorted(model.body(model.geom_bodyid[geom]).name for geom in contact.geom))
@@ -279,7 +280,7 @@ def _played(
     motions: Sequence[Waypoints],
     judge: Callable[[np.ndarray, np.ndarray], tuple[float, float]],
 ) -> Check:
-    """Play some motions and judge the paths of all joints, shape (n,)."""
+    """Run some motions and judge the displacements of all joints, shape (n,)."""
     duration = _MOVING_TIME + _RESTING_TIME
     script = Script(controller=name, duration=duration, commands=tuple(motions))
     result, trace = world.record(Trial(world.setup, script))

@@ -1,6 +1,6 @@
-"""The work of a worker process: trials, in worlds that it keeps between them.
+"""Run trials in a worker process, which keeps its worlds between trials.
 
-Only plain text travels to a worker and back, so that any executor can carry it.
+Arguments are plain text, so that any executor can send them to a worker.
 """
 
 import os
@@ -22,25 +22,26 @@ from station.trials.errors import WorkerMismatchError
 from station.trials.trial import Setup, Trial, TrialResult
 
 _WORLDS = 2
-"""How many worlds a worker keeps."""
+"""Number of worlds that a worker keeps."""
 WORKER = f"{platform.node()}:{os.getpid()}"
-"""This process: host and process."""
+"""Name of this process: host and process number."""
 _one_at_a_time = threading.Lock()
-"""A worker of a cluster may have several threads; a world has one."""
+"""Lock, because a worker of a cluster may have several threads, but a world allows one.
+"""
 _checked: set[str] = set()
-"""The setups for which this process has been compared with the experiment."""
+"""Setups for which this process was found equal to the caller."""
 _worlds: "OrderedDict[str, TrialWorld]" = OrderedDict()
 
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """The facts that must be equal on all machines that run an experiment's trials.
+    """Versions and digests that must agree on all machines of an experiment.
 
     Attributes:
         station: Version of the station, and a digest of its arithmetic.
         mujoco: Version of MuJoCo.
-        setup: Digest of the setup as the worker has read it, and the masses of its
-            robot, which come from files that do not travel.
+        setup: Digest of the setup as the worker has read it, and of the robot, which
+            comes from files on the worker's machine.
     """
 
     station: str
@@ -49,7 +50,7 @@ class Identity:
 
 
 def identity(setup_text: str) -> Identity:
-    """Return the identity of this process as a place for trials.
+    """Return the versions and digests of this process for a setup.
 
     Raises:
         StationError: The setup cannot be used here.
@@ -65,15 +66,16 @@ def identity(setup_text: str) -> Identity:
 def run_trials(
     setup_text: str, trial_texts: Sequence[str], expected: Identity | None = None
 ) -> list[TrialResult]:
-    """Run trials one after the other; the error of a trial is in its result.
+    """Run trials one after the other; the result of a failed trial has its error.
 
     Args:
         setup_text: Text of the setup.
         trial_texts: `Trial.to_json` of each trial.
-        expected: Version and configuration that trials need; any when None.
+        expected: Versions and digests that the trials need; None accepts any.
 
     Raises:
-        WorkerMismatchError: This process has another version or configuration.
+        WorkerMismatchError: This process has another version or configuration than
+            `expected`.
         StationError: The setup cannot be used here.
     """
     with _one_at_a_time:
@@ -86,7 +88,7 @@ def run_trials(
 
 
 def compare(expected: Identity, found: Identity, worker: str) -> None:
-    """Refuse a worker that would give other numbers.
+    """Refuse a worker that would compute other results.
 
     Raises:
         WorkerMismatchError: This process would give other results; the message says
@@ -103,12 +105,13 @@ def compare(expected: Identity, found: Identity, worker: str) -> None:
 
 
 def be_polite(niceness: int) -> None:
-    """Lower the priority of this process, if it is not as low already.
+    """Lower the priority of this process, unless it is already as low.
 
     Args:
         niceness: The niceness to have, 0 to 19.
     """
-    # Threads of a station may have a high priority, which their processes inherit.
+    # A process inherits the priority of the station's thread that starts it, which may
+    # be high.
     present = os.getpriority(os.PRIO_PROCESS, 0)
     os.setpriority(os.PRIO_PROCESS, 0, max(niceness, present))
 
@@ -120,7 +123,7 @@ def begin_worker(niceness: int) -> None:
         niceness: The niceness to have, 0 to 19.
     """
     be_polite(niceness)
-    # The parent decides what Ctrl-C means: trials that run may end.
+    # Ignore Ctrl-C, because the parent handles it: the running trials may end.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     if parent is not None:
@@ -128,13 +131,13 @@ def begin_worker(niceness: int) -> None:
 
 
 def _end_with(parent: BaseProcess) -> None:
-    """End this process when its parent is gone, however that ended."""
+    """End this process when its parent has ended, for whatever reason."""
     parent.join()
     os._exit(1)
 
 
 def kept_world(setup: Setup) -> TrialWorld:
-    """Return the world of a setup that this process keeps; it is built once."""
+    """Return the world of a setup; build it if this process does not keep it yet."""
     world = _worlds.pop(setup.digest, None)
     if world is None:
         world = TrialWorld(setup)
