@@ -1,4 +1,4 @@
-"""Choice of the station that a verb talks to, and of its token."""
+"""Find the station that a verb talks to, and its token."""
 
 import os
 from argparse import Namespace
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
     from station.client import StationClient
 
 LEASE_VARIABLE = "STATION_CONTROL_LEASE"
-"""Environment variable with the lease of control that verbs act under."""
+"""Environment variable: the lease of control under which verbs make changes."""
 
 
 def open_client(options: Namespace) -> "StationClient":
-    """Return a client for the station that the options, or the machine, name.
+    """Return a client for the station in the options, or for the one on this machine.
 
     Raises:
         NoStationError: No station was found, or more than one.
-        UsageError: The URL is not that of a web server.
+        UsageError: The URL is not an http or https URL with a host.
     """
     from station.client import StationClient
 
@@ -34,7 +34,7 @@ def locate(url: str | None, token: str | None) -> tuple[str, str | None]:
 
     Raises:
         NoStationError: No station was found, or more than one.
-        UsageError: The URL is not that of a web server.
+        UsageError: The URL is not an http or https URL with a host.
     """
     try:
         return station_locator.locate(url, token)

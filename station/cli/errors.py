@@ -1,4 +1,4 @@
-"""Errors of the command line, and how errors of all kinds are reported."""
+"""Errors of the command line, and reports of errors of all kinds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,8 +22,8 @@ class Failure:
         code: Stable name of the kind of failure.
         detail: The thing, its value, and the allowed values.
         remedy: Advice to the user; may be empty.
-        is_usage: The command line itself is wrong.
-        errors: Every single thing that is wrong, when there are several.
+        is_usage: Whether the command line itself is wrong.
+        errors: Every single fault, when there are several.
     """
 
     code: str
@@ -33,7 +33,7 @@ class Failure:
     errors: Sequence[object] = ()
 
     def as_problem(self) -> dict[str, object]:
-        """Return it as JSON-compatible data."""
+        """Return the failure as JSON-compatible data."""
         data: dict[str, object] = {
             "code": self.code,
             "detail": self.detail,
@@ -43,15 +43,15 @@ class Failure:
 
 
 def failure_of(error: Exception) -> Failure | None:
-    """Return the report of `error`; None when it is a defect of the program."""
+    """Return the report of an expected error; None for a defect of the program."""
     if isinstance(error, StationError):
         return Failure(
             error.code, error.message, error.remedy, isinstance(error, UsageError)
         )
     if isinstance(error, ModuleNotFoundError):
         return _failure_of_missing(error)
-    # The client's and pydantic's errors are known by their shape, because importing
-    # these packages takes longer than most verbs.
+    # Errors of the client and of pydantic are recognised by their names, because
+    # importing these packages takes longer than most verbs.
     name = type(error).__name__
     if name in {"ApiError", "StationUnreachableError"}:
         return _failure_of_api(error)

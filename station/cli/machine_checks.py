@@ -1,4 +1,4 @@
-"""Checks of this machine for a control station."""
+"""Check whether this machine is fit for a control station."""
 
 import os
 import platform
@@ -20,7 +20,7 @@ from station.local.descriptors import most_files, shortage
 PERIOD = 0.001
 """Period of the trial loop [s]."""
 GOOD_LATENESS, FAIR_LATENESS = 0.0003, 0.001
-"""p99 of the wake-up lateness below which the clock is good, or fair [s]."""
+"""Limits of the p99 of the wake-up lateness for a good and for a fair clock [s]."""
 _PACKAGES = ("numpy", "mujoco", "fastapi", "uvicorn", "viser")
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "firefox")
 _GOVERNOR = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
@@ -44,7 +44,7 @@ class Finding:
 
 
 def check_python() -> Finding:
-    """Report which interpreter runs and whether it has a lock."""
+    """Report the interpreter, and whether it has a global lock."""
     is_locked = getattr(sys, "_is_gil_enabled", lambda: True)()
     name = f"{platform.python_implementation()} {platform.python_version()}"
     lock = "with" if is_locked else "without"
@@ -96,10 +96,10 @@ def check_scheduler() -> Finding:
 
 
 def check_clock(cycles: int = 1000) -> Finding:
-    """Check how late a thread wakes up that wants to run at 1 kHz.
+    """Check how late a thread of 1 kHz wakes up.
 
     Args:
-        cycles: How many wake-ups are measured, >= 1.
+        cycles: Number of wake-ups to measure, >= 1.
     """
     lateness: list[float] = []
     thread = threading.Thread(target=_wake_up, args=(cycles, lateness))
@@ -131,7 +131,7 @@ def _wake_up(cycles: int, lateness: list[float]) -> None:
 
 
 def check_descriptors() -> Finding:
-    """Check how many files a station, and so how many clients, may have open."""
+    """Check how many files, and so how many connections, a station may open."""
     most, few = most_files(), shortage()
     found = "as many as wanted" if most is None else str(most)
     if few is None:
@@ -164,7 +164,7 @@ def check_extensions() -> Finding:
 
 
 def check_browser() -> Finding:
-    """Check for a browser, which the dashboard and its tests need."""
+    """Check for a browser, which users of the dashboard and its tests need."""
     for name in _BROWSERS:
         if shutil.which(name):
             return Finding("browser", "ok", name)

@@ -1,7 +1,7 @@
 """Parse the command line, run the verb, turn an error into an exit code.
 
-Slow imports are made by the function of the verb that needs them, so that
-help and wrong usage are answered at once.
+The function of a verb makes its own slow imports, so that help and errors of usage
+appear at once.
 """
 
 import gc
@@ -24,7 +24,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code.
 
     Args:
-        argv: The arguments after the program's name; the process's own when None.
+        argv: The arguments after the program's name; None for those of the process.
 
     Returns:
         0 done, 1 refused, 2 wrong usage, 130 interrupted.
@@ -34,15 +34,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = parse(arguments)
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else WRONG_USAGE
-    # What a verb imports stays; looking for garbage in it takes a tenth of a start.
+    # Imported modules stay, and searching them for garbage takes a tenth of the start.
     gc.set_threshold(*GC_THRESHOLDS)
     try:
         code: int = options.run(options)
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        # The reader of the output is gone; without this, Python would report the
-        # broken pipe once more when it flushes at its exit.
+        # The reader of the output has closed it. Without this line Python would report
+        # the broken pipe once more when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except Exception as error:
@@ -57,8 +57,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def normalise(argv: Sequence[str]) -> list[str]:
     """Return the arguments in the form that the parser expects.
 
-    A verb may be written with dashes; negative numbers lose the exponent, which
-    argparse takes for an option.
+    A verb may be written with dashes. Negative numbers are written without an exponent,
+    because argparse would take them for options.
     """
     arguments = [
         f"{Decimal(a):f}" if _NEGATIVE_NUMBER.fullmatch(a) else a for a in argv

@@ -12,19 +12,19 @@ def say(text: str) -> None:
 
 
 def say_progress(text: str) -> None:
-    """Print a line of progress to stderr at once."""
+    """Print a line of progress to stderr, without buffering."""
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()
 
 
 def say_now(text: str) -> None:
-    """Print a line at once, for a reader that waits for it."""
+    """Print a line without buffering, for a reader that waits for it."""
     say(text)
     sys.stdout.flush()
 
 
 def say_now_json(data: object) -> None:
-    """Print data as one line of JSON at once."""
+    """Print data as one line of JSON, without buffering."""
     say_json(data)
     sys.stdout.flush()
 
@@ -35,7 +35,7 @@ def say_json(data: object) -> None:
 
 
 def _jsonable(value: object) -> object:
-    # Imported late: a stop does not wait for it.
+    # Imported late, so that a stop need not wait for the import.
     from pydantic_core import to_jsonable_python
 
     return to_jsonable_python(value, by_alias=True)
@@ -61,10 +61,10 @@ def answer_table(
     """Print a table, or with `--json` the data; return the exit code 0.
 
     Args:
-        options: Those of the verb.
-        found: Items of the table.
+        options: Options of the verb.
+        found: Data of the table, for `--json`.
         headers: Headers of the columns.
-        rows: The cells.
+        rows: Cells of the rows.
         nothing: Printed in place of a table without rows, if not empty.
     """
     if not options.json and (rows or not nothing):

@@ -1,4 +1,4 @@
-"""The parser of the command line, which knows the arguments of the verb it parses."""
+"""Parse the command line, with the arguments of the chosen verb only."""
 
 import argparse
 import importlib
@@ -23,11 +23,11 @@ and --token, or set STATION_URL and STATION_TOKEN; for https, --ca or STATION_CA
 ROS 1 names work too: list, list-types, load, unload, start, spawn, kill; and stop NAME.
 """
 ROBOT = "example-robot-data:NAME or a URDF"
-"""Help of an argument that names a robot of which only the URDF is known."""
+"""Help of an argument that names a robot by its URDF only."""
 
 
 class Parser(argparse.ArgumentParser):
-    """An `ArgumentParser` that answers an unknown verb or choice with the nearest."""
+    """An `ArgumentParser` that suggests a name for an unknown verb or choice."""
 
     @override
     def _check_value(self, action: argparse.Action, value: Any) -> None:
@@ -38,10 +38,10 @@ class Parser(argparse.ArgumentParser):
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the parsed arguments; `run` is the function that does the verb.
+    """Return the parsed arguments, with `run`, the function that carries out the verb.
 
-    Of the modules of verbs the one that is needed is imported, so that `station --help`
-    and a stop do not wait for the others.
+    It imports only the module of the chosen verb, so that `station --help` and a stop
+    do not wait for the others.
 
     Raises:
         SystemExit: Help was asked for, or the arguments are wrong.
@@ -69,7 +69,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def _fill(parser: Parser, verb: Verb) -> None:
-    """Add the arguments of a verb, and the function that does it."""
+    """Add the arguments of a verb, and the function that carries it out."""
     module = importlib.import_module(f"station.cli.verbs.{verb.module}")
     parser.set_defaults(run=getattr(module, verb.name))
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -88,7 +88,7 @@ def read_number(word: str, example: str = "load=1.5") -> tuple[str, float]:
     """Return name and value of `NAME=VALUE`.
 
     Raises:
-        UsageError: The text has another form.
+        UsageError: The text is malformed.
     """
     name, equals, text = word.rpartition("=")
     try:
@@ -119,7 +119,7 @@ def add_controllers(parser: Parser, text: str) -> None:
 
 
 def add_base(parser: Parser) -> None:
-    """Add how the root link of a robot is held of which only the URDF is known."""
+    """Add the option `--base`: how the root link of a robot is held."""
     parser.add_argument(
         "--base",
         choices=("fixed", "floating", "planar"),

@@ -1,7 +1,7 @@
 """The verbs of the command line, in the order of `station --help`.
 
-A verb has two functions in its module: one of its own name takes the parsed arguments
-and returns the exit code; `add_NAME` adds the arguments, if it has any.
+The module of a verb has two functions: `NAME` takes the parsed arguments and returns
+the exit code; `add_NAME` adds the arguments, if the verb has any.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ class Verb:
     Attributes:
         module: Its module below `station.cli.verbs`.
         name: The verb.
-        summary: Effect, in the imperative.
+        summary: Effect of the verb, in the imperative.
         aliases: Other names.
         is_client: Whether it talks to a running station.
     """
@@ -95,7 +95,7 @@ doctor validate: check a robot and its controllers; exit code 1 when a check fai
 experiment_results experiments: look at, watch, cancel, draw, compare, replay, export
     and apply experiments
 """
-"""Module, verb and other names: the effect; a line that is indented goes on."""
+"""One line per verb, `MODULE NAME ALIASES: EFFECT`; an indented line continues it."""
 _ALONE = frozenset([
     "run",
     "fci",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from station.wire import ControlState
 
 LOOK_PERIOD = 0.2
-"""How often it looks whether control was lost [s]."""
+"""Time between two checks whether control was lost [s]."""
 
 
 def add_control(parser: "Parser") -> None:
@@ -74,7 +74,7 @@ def token(options: Namespace) -> int:
     """Make, list or revoke named tokens.
 
     Raises:
-        UsageError: `create` or `revoke` without a name.
+        UsageError: `create` or `revoke` was given without a name.
     """
     if options.action != "list" and options.name is None:
         raise UsageError(

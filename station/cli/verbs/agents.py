@@ -1,4 +1,4 @@
-"""Verbs of agents: `agents`, a person's answers, and `mcp`, the agent's own seat."""
+"""Verbs `agents`, to answer requests of agents, and `mcp`, to serve an agent."""
 
 import asyncio
 import secrets
@@ -39,7 +39,7 @@ def agents(options: Namespace) -> int:
     """List the requests of agents, or answer one.
 
     Raises:
-        UsageError: An answer without the number of a request.
+        UsageError: An answer was given without the number of a request.
     """
     if options.action != "list" and options.number is None:
         raise UsageError(
@@ -71,7 +71,7 @@ def add_mcp(parser: "Parser") -> None:
 
 
 def mcp(options: Namespace) -> int:
-    """Serve an agent over stdin and stdout, with a token of its own.
+    """Serve an agent over stdin and stdout, with an agent's token.
 
     Raises:
         MissingExtraError: The library of the protocol is not installed.
@@ -99,10 +99,10 @@ async def _replay(url: str, token: str, options: Namespace) -> int:
 
 @contextmanager
 def _own_token(options: Namespace) -> "Iterator[tuple[str, str]]":
-    """Return the address of the station, and a token of an agent.
+    """Yield the address of the station, and a token of the role `agent`.
 
-    An agent's token is used as it is. With an operator's, a token is made for the time
-    that the agent is served: the agent never has the operator's rights.
+    It uses an agent's token as it is. With an operator's token it makes an agent's
+    token for the time of the body, so that the agent never has the operator's rights.
     """
     url, token = locate(options.url, options.token)
     options.url, options.token = url, token

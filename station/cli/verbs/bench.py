@@ -1,4 +1,4 @@
-"""Verb `bench`: excite a joint, read a part of a recording as a test, look at runs."""
+"""Verb `bench`: test a joint, read a recording as a test, or show kept runs."""
 
 from argparse import Namespace
 from typing import TYPE_CHECKING
@@ -60,10 +60,10 @@ def add_bench(parser: "Parser") -> None:
 
 
 def bench(options: Namespace) -> int:
-    """Excite a joint, read a part of a recording as a test, or look at kept runs.
+    """Excite a joint, read a part of a recording as a test, or show kept runs.
 
     Raises:
-        UsageError: A word is missing or too much.
+        UsageError: There are too few or too many words.
     """
     if (options.name is None) != (options.action == "list"):
         raise UsageError(

@@ -1,4 +1,4 @@
-"""Verbs that list, load and unload controllers, and list the resources."""
+"""Verbs that list, load and unload controllers, and list hardware."""
 
 import json
 from argparse import Namespace
@@ -319,7 +319,7 @@ def _parameters_of(name: str, path: Path, kind: str | None) -> dict[str, Any]:
     Raises:
         UsageError: The file has no parameters for that name.
     """
-    # Imported late: other verbs need no reader of configurations.
+    # Imported late, because other verbs need no reader of configurations.
     from station.config.ros_parameters import split_ros_parameters
     from station.core.yaml_reader import read_yaml
 
@@ -343,7 +343,7 @@ def unload_controller(options: Namespace) -> int:
 
 
 def reload_controller_libraries(options: Namespace) -> int:
-    """Let the next load of each type read its Python module anew."""
+    """Let the next load of each type import its Python module again."""
     with open_client(options) as client:
         unloaded = client.reload_controller_types(force_kill=options.force_kill)
     line = f"Unloaded: {', '.join(unloaded) or 'no controller'}."

@@ -1,4 +1,4 @@
-"""Verbs `doctor` and `validate`: checks of this machine, and of a robot."""
+"""Verbs `doctor` and `validate`: check this machine, and a robot."""
 
 from argparse import Namespace
 from pathlib import Path
@@ -93,9 +93,9 @@ def validate(options: Namespace) -> int:
 
 
 def _robot_of(options: Namespace) -> dict[str, object]:
-    """Return the configuration of a robot of which only the URDF is known.
+    """Return the configuration of a robot that is given by its URDF only.
 
-    Its controllers are those of `run --robot`, unless files of controllers are given.
+    It has the controllers of `run --robot`, unless files of controllers are given.
 
     Raises:
         RobotDescriptionError: The robot is unknown or cannot be simulated.

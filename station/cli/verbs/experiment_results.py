@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 METRIC = "a metric such as rms_error, effort_rms or settling_time"
 _MOST_REASONS = 5
-"""So many reasons of failed trials are printed, the most frequent ones."""
+"""Number of the most frequent reasons of failed trials that are printed."""
 
 
 def add_experiments(parser: "Parser") -> None:
@@ -50,7 +50,7 @@ def experiments(options: Namespace) -> int:
     """List, show, draw, rank, replay, apply, export or compare experiments.
 
     Raises:
-        UsageError: A word is missing or too much.
+        UsageError: There are too few or too many words.
     """
     action, fewest, most = _ACTIONS[options.action]
     words = [word for word in (options.name, *options.words) if word is not None]
@@ -91,7 +91,7 @@ def _show(options: Namespace) -> int:
 
 
 def say_summary(results: "Results") -> None:
-    """Print the distribution of each metric, and how many trials failed."""
+    """Print the distribution of each metric, and the number of failed trials."""
     from station.trials.analysis import summary
 
     found = summary(results)
@@ -150,8 +150,8 @@ def _plot(options: Namespace) -> int:
 
 
 def _replay(options: Namespace) -> int:
-    """Run a trial again, the worst when none is named, and compare its numbers."""
-    # Imported late: a list of experiments needs no simulation.
+    """Run a trial again, by default the worst one, and compare its numbers."""
+    # Imported late, because a list of experiments needs no simulation.
     from station.experiments.trial_world import TrialWorld
     from station.trials.analysis import ranked
 
@@ -303,4 +303,4 @@ _ACTIONS: dict[str, tuple[Callable[[Namespace], int], int, int]] = {
     "watch": (_watch, 1, 1),
     "cancel": (_cancel, 1, 1),
 }
-"""What each action does, and how many words it takes."""
+"""Function of each action, and the smallest and largest number of its words."""

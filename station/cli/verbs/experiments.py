@@ -123,7 +123,7 @@ def sweep(options: Namespace) -> int:
 
 
 def robustness(options: Namespace) -> int:
-    """Run trials under chance loads, friction and delays."""
+    """Run trials with random loads, friction and delays."""
     return _sweep(options, "robustness")
 
 
@@ -186,10 +186,10 @@ def _tell_tuned(
 
 
 def _start(options: Namespace, request: "ExperimentRequest") -> int:
-    """Start the experiment in the station that runs, and come back.
+    """Start the experiment in the running station, and return.
 
     Raises:
-        UsageError: An option says where trials run, which the station decides.
+        UsageError: An option chooses where trials run, which only the station decides.
     """
     elsewhere = {
         "--cluster": options.cluster,
@@ -217,7 +217,7 @@ def _request(options: Namespace, kind: "ExperimentKind") -> "ExperimentRequest":
     """Return the request that the options describe.
 
     Raises:
-        UsageError: The script is one of another controller, or a value is impossible.
+        UsageError: The script belongs to another controller, or a value is not allowed.
     """
     from pydantic import ValidationError
 
@@ -261,7 +261,7 @@ def _script_fields(options: Namespace) -> dict[str, object]:
     """Return the fields of a request that a script or a recording gives.
 
     Raises:
-        UsageError: The script is one of another controller.
+        UsageError: The script belongs to another controller.
     """
     if options.script is None:
         return {}
@@ -287,7 +287,7 @@ def _script_fields(options: Namespace) -> dict[str, object]:
 
 
 def _live(options: Namespace) -> "tuple[Setup, dict[str, dict[str, float]]]":
-    """Return the setup and the gains with which a search begins at a running station.
+    """Return the setup and the gains of a running station, to start a search.
 
     A controller that is not in the configuration is taken from the station.
     """
@@ -313,14 +313,14 @@ def _bound(word: str) -> "ExperimentBound":
 def _running(
     options: Namespace, experiment: "Experiment"
 ) -> "Iterator[tuple[Results, Progress]]":
-    """Run an experiment to its end; yields its results and its progress.
+    """Run an experiment to its end; yield its results and its progress.
 
     Raises:
         KeyboardInterrupt: Ctrl-C came a second time, or before the first trial.
     """
     from station.experiments.experiment import carry_out
 
-    # The executor first: without one there is no experiment, and no file of it.
+    # Make the executor first: if this fails, no file of the experiment must remain.
     with (
         _executor(options, experiment.setup) as executor,
         _results(options, experiment) as results,
@@ -337,7 +337,7 @@ def _running(
 
 
 def _say_how_to_go_on(results: "Results") -> None:
-    """Tell of an experiment that was interrupted; not among the JSON of its end."""
+    """Print to stderr how to continue an interrupted experiment."""
     say_progress(
         f"Interrupted: {results.count()} trials are kept. Repeat the command with "
         f"--name {results.path.stem} to go on."
@@ -377,7 +377,7 @@ def _executor(options: Namespace, setup: "Setup") -> "Iterator[Executor]":
 
 @contextmanager
 def _watching() -> "Iterator[Watcher]":
-    """Show a bar with the time that is left, on a terminal only."""
+    """Show a progress bar with the remaining time, on a terminal only."""
     from rich.console import Console
     from rich.progress import (
         BarColumn,
@@ -438,7 +438,7 @@ def _tell(results: "Results", progress: "Progress", options: Namespace) -> int:
 
 
 def _say_refused(progress: "Progress") -> None:
-    """Print which workers got no work, and how often trials were given away again."""
+    """Print the workers that got no work, and the number of repeated trials."""
     if progress.repeated:
         say(f"Trials were given away again {progress.repeated} times.")
     for reason in progress.refused:

@@ -1,7 +1,7 @@
-"""Verb `fci check`: does a robot's side of the Franka Control Interface do as it must?
+"""Verb `fci check`: check a robot's side of the Franka Control Interface.
 
-The checks are tests of pytest, which runs as a process of its own: its results are the
-matrix on the terminal and the report.
+The checks are tests of pytest, which runs as a process of its own. Their results are
+the matrix on the terminal and the report.
 """
 
 import json
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from station.cli.parser import Parser
 
 CHECK = Path("check")
-"""Word in the place of a configuration; a file of this name is written `./check`."""
+"""Word in the place of a configuration; write a file of this name as `./check`."""
 _SUITE = "station.testing.fci_conformance"
-_NO_ENDPOINT = 4  # pytest's code for wrong usage: nobody answers, or no known version
+_NO_ENDPOINT = 4  # pytest's code for wrong usage: no answer, or no known version
 _HIGHEST_PORT = 65_535
-# Options that mean nothing to the other one, and what they are unless given.
+# Options that only the check, or only the server has, with their default values.
 _OF_CHECK = {"address": None, "move": False, "port": None, "report": None}
 _OF_SERVER = {"host": "127.0.0.1", "patience": 0.0, "desk": None}
 
@@ -52,7 +52,7 @@ def port_number(text: str) -> int:
     """Return a TCP port.
 
     Raises:
-        ArgumentTypeError: The text is no number from 0 to 65535.
+        ArgumentTypeError: The text is not a number from 0 to 65535.
     """
     if not text.isdecimal() or int(text) > _HIGHEST_PORT:
         raise ArgumentTypeError(f"{text!r} is no port, 0 to {_HIGHEST_PORT}")
@@ -60,10 +60,10 @@ def port_number(text: str) -> int:
 
 
 def refuse_other_options(options: Namespace) -> None:
-    """Refuse options of the server in a check, and those of a check at the server.
+    """Refuse options of the server in a check, and options of a check for the server.
 
     Raises:
-        UsageError: One of them was given.
+        UsageError: Such an option was given.
     """
     is_check = options.config == CHECK
     for name, default in (_OF_SERVER if is_check else _OF_CHECK).items():
@@ -100,7 +100,8 @@ def check(options: Namespace) -> int:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "report.json" if options.report is None else None
         command = _command(options, file or options.report.absolute())
-        # Wherever this is called, the configuration of pytest there means other tests.
+        # A configuration of pytest in the present folder is meant for other tests, so
+        # ignore it.
         output = subprocess.DEVNULL if options.json else None
         code = subprocess.run(
             command, cwd=folder, stdout=output, check=False

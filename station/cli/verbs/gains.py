@@ -1,4 +1,4 @@
-"""Verb `gains`: look at and change run-time parameters, and sets of them."""
+"""Verb `gains`: show and change run-time parameters, and sets of them."""
 
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Mapping
@@ -40,7 +40,7 @@ def gains(options: Namespace) -> int:
     """Show or set the gains of a controller, or save, compare or apply a gain set.
 
     Raises:
-        UsageError: A word is missing or too much.
+        UsageError: There are too few or too many words.
     """
     action, needs_name, words = _ACTIONS[options.action]
     is_wrong = (
@@ -153,7 +153,8 @@ _ACTIONS: Mapping[str, tuple[Action, bool, str]] = {
     "delete": (_delete, True, "none"),
     "undo": (_undo, False, "none"),
 }
-"""What each action does, whether it needs a name, and whether it takes more words."""
+"""Function of each action, whether it needs a name, and which further words it takes.
+"""
 
 
 def _change(word: str) -> tuple[str, float]:

@@ -1,4 +1,4 @@
-"""Verb `identify`, and the options that say which station a trial has."""
+"""Verb `identify`, and the options that choose the station of a trial."""
 
 from argparse import Namespace
 from pathlib import Path
@@ -63,18 +63,18 @@ def add_setup(parser: "Parser") -> None:
 
 
 def load_setup(options: Namespace) -> "Setup":
-    """Return the station of the options that `add_setup` adds."""
+    """Return the setup that the options of `add_setup` describe."""
     from station.trials.trial import Setup
 
     return Setup.load(options.config, controllers=options.controllers)
 
 
 def read_parameters(options: Namespace) -> dict[str, float]:
-    """Return the parameters of every trial, of the option `--with`.
+    """Return the parameters of every trial from the option `--with`.
 
     Raises:
         UsageError: A word is not NAME=VALUE.
-        ExperimentError: There is no such parameter, or its value is impossible.
+        ExperimentError: A parameter is unknown, or its value is not allowed.
     """
     from station.trials.parameters import check
 

@@ -29,10 +29,10 @@ def add_lesson(parser: "Parser") -> None:
 
 
 def lesson(options: Namespace) -> int:
-    """List or show lessons, begin one, or check it; 1 when it is not solved.
+    """List or show lessons, begin one, or check it; return 1 if it is not solved.
 
     Raises:
-        UsageError: A word is missing or too much.
+        UsageError: There are too few or too many words.
     """
     needs_name = options.action != "list"
     if (options.name is not None) != needs_name or (

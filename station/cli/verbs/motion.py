@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 STOP_TIME = 0.5
-"""How long the station may take to answer a stop before its watchdog is asked [s]."""
+"""Longest wait for the station's answer to a stop, before the watchdog is asked [s]."""
 
 
 def add_command(parser: "Parser") -> None:
@@ -82,7 +82,7 @@ def add_release(parser: "Parser") -> None:
 
 
 def command(options: Namespace) -> int:
-    """Send a controller a set-point."""
+    """Send a set-point to a controller."""
     with open_client(options) as client:
         accepted = client.command(options.controller, options.values)
     line = f"{options.controller} took the set-point (epoch {accepted.epoch})."
@@ -90,14 +90,14 @@ def command(options: Namespace) -> int:
 
 
 def goto(options: Namespace) -> int:
-    """Move a trajectory controller's joints; 1 when they do not arrive.
+    """Move a trajectory controller's joints; return 1 if they do not arrive.
 
-    Without numbers, the name is that of a pose, and the controller is the trajectory
-    controller that runs; without one, a controller is started and keeps holding.
-    Controllers that command the same joints are stopped in that cycle.
+    Without numbers, the name is that of a pose, and the running trajectory controller
+    moves there. If none runs, one is started, and keeps holding the joints. The cycle
+    that starts it stops controllers that command the same joints.
 
     Raises:
-        UsageError: There is no such pose, or its numbers are none.
+        UsageError: The pose is unknown, or a word is not a number.
         KeyboardInterrupt: The user gave up; the goal was cancelled.
     """
     from station.client.poses import UnknownPoseError
@@ -117,10 +117,10 @@ def goto(options: Namespace) -> int:
 
 
 def motion_sequence(options: Namespace) -> int:
-    """Follow motion primitives, one into the next; 1 when the joints do not arrive.
+    """Follow blended motion primitives; return 1 if the joints do not arrive.
 
     Raises:
-        UsageError: The file holds no list.
+        UsageError: The file does not hold a list.
         KeyboardInterrupt: The user gave up; the goal was cancelled.
     """
     from station.core.yaml_reader import read_yaml
@@ -153,7 +153,7 @@ def _target(options: Namespace) -> "Target | Pose":
     """Return the target of a motion.
 
     Raises:
-        UsageError: The numbers are no pose, or no path there was found.
+        UsageError: The numbers are not a pose, or no path to the pose was found.
     """
     from station.client.poses import Pose
 
@@ -173,14 +173,14 @@ def _target(options: Namespace) -> "Target | Pose":
 
 
 def stop(options: Namespace) -> int:
-    """Stop the robot; with names of loaded controllers, these only.
+    """Stop the robot; with names of loaded controllers, stop only these.
 
-    A word that is no controller may be a mistake or a cry for help. The robot stops,
-    because that is the safe interpretation. A station that does not answer, or whose
-    loop makes no cycles, is stopped through its watchdog.
+    A word that does not name a controller may be a mistake or an emergency. The robot
+    stops, because this is the safe interpretation. A station that does not answer, or
+    whose loop makes no cycles, is stopped through its watchdog.
 
     Raises:
-        StationUnreachableError: Neither the station nor a watchdog of it is there.
+        StationUnreachableError: Neither the station nor its watchdog answers.
         WatchdogError: The watchdog does not confirm the stop either.
     """
     from station.client import StationUnreachableError
@@ -215,7 +215,7 @@ def _are_loaded(client: "StationClient", names: list[str]) -> bool:
     try:
         loaded = {controller.name for controller in client.controllers()}
     except (ApiError, ValueError):
-        return False  # Without an answer that is understood, stop the robot.
+        return False  # without a valid answer, stop the robot
     return loaded.issuperset(names)
 
 

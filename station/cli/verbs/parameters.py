@@ -1,4 +1,4 @@
-"""Verb `parameters`: the tree that controllers are loaded with, as rosparam."""
+"""Verb `parameters`: the tree from which controllers are loaded, like rosparam."""
 
 import json
 from argparse import Namespace
@@ -26,7 +26,7 @@ def parameters(options: Namespace) -> int:
     """Print, set or delete a parameter.
 
     Raises:
-        UsageError: A word is missing or too much.
+        UsageError: There are too few or too many words.
     """
     takes_value = options.action == "set"
     is_named = bool(options.path.strip("/")) or options.action == "get"
@@ -47,7 +47,7 @@ def parameters(options: Namespace) -> int:
 
 
 def _value(text: str) -> "JsonValue":
-    """Return the value of a word: JSON, or otherwise text."""
+    """Return the value of a word, read as JSON if possible, else as text."""
     try:
         value: JsonValue = json.loads(text)
     except ValueError:

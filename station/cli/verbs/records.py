@@ -68,7 +68,7 @@ def _add_file_options(parser: "Parser") -> None:
 
 
 def record(options: Namespace) -> int:
-    """Start, stop, list, fetch, delete or run again.
+    """Start, stop, list, fetch, delete or re-run recordings.
 
     Raises:
         UsageError: The name of the recording is missing.
@@ -97,7 +97,7 @@ def record(options: Namespace) -> int:
 
 
 def incidents(options: Namespace) -> int:
-    """List or fetch.
+    """List incidents, or fetch one.
 
     Raises:
         UsageError: The name of the incident is missing.
@@ -114,7 +114,7 @@ def incidents(options: Namespace) -> int:
 
 
 def recover_file(options: Namespace) -> int:
-    """Mend a file whose end is missing, or that has damaged bytes."""
+    """Repair a recording whose end is missing, or that has damaged bytes."""
     from station.records.mcap_recovery import recover_file as recover
     from station.records.record_store import RecordStore
 
@@ -172,11 +172,11 @@ def _say_all(found: "Sequence[Recording]", options: Namespace) -> int:
 
 
 def _get(client: "StationClient", options: Namespace, *, is_incident: bool) -> int:
-    """Fetch the file, and make a table of it if need be.
+    """Fetch the file, and make a table of it if the options ask for one.
 
     Raises:
-        UsageError: There is a file already where it is to be written, or the choice
-            makes no sense.
+        UsageError: The target file exists already, or the options contradict each
+            other.
     """
     source = client.incidents if is_incident else client.recordings
     target = options.output or Path(f"{options.name}.{options.format}")

@@ -1,4 +1,4 @@
-"""The verb that tries a motion in a copy of the station."""
+"""Verb `rehearse`: try a motion in a copy of the station."""
 
 import json
 import sys
@@ -42,7 +42,7 @@ def add_rehearse(parser: "Parser") -> None:
 
 
 def rehearse(options: Namespace) -> int:
-    """Forecast the end of a motion; 1 when it would not be completed."""
+    """Forecast a motion; return 1 if it would not be completed."""
     with open_client(options) as client:
         told = client.rehearse(
             _steps(client, options),
@@ -124,7 +124,7 @@ def _numbers(values: list[str]) -> list[float]:
     """Return the numbers of some texts.
 
     Raises:
-        UsageError: One is no number.
+        UsageError: A text is not a number.
     """
     for value in values:
         if not _is_number(value):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from station.wire import Gripper, GripperCommand
 
 POLL = 0.1
-"""How often the gripper is looked at [s]."""
+"""Time between two requests for the gripper's state [s]."""
 _NUMBERS = {"state": 0, "stop": 0, "homing": 0, "move": 1, "grasp": 2}
 _USAGE = (
     "station gripper [ARM] state | stop | homing | move WIDTH | grasp WIDTH FORCE, "
@@ -91,7 +91,7 @@ def _parse_argument(argument: str) -> "tuple[str, JsonValue]":
     """Return name and value of `NAME=VALUE`.
 
     Raises:
-        UsageError: The text has another form.
+        UsageError: The text is malformed.
     """
     name, equals, text = argument.partition("=")
     if not equals or not name.isidentifier():
@@ -134,7 +134,7 @@ def _parse_words(words: "Sequence[str]") -> tuple[str, str, list[float]]:
     """Return the arm, empty for the only one, the action, and its numbers.
 
     Raises:
-        UsageError: The words have another form.
+        UsageError: The words are malformed.
     """
     arm_id, rest = ("", words) if words[0] in _NUMBERS else (words[0], words[1:])
     try:
@@ -152,7 +152,7 @@ def _only_arm(client: "StationClient") -> str:
     """Return the name of the only arm.
 
     Raises:
-        UsageError: There are several, or none.
+        UsageError: The station has several arms, or none.
     """
     arms = [arm.arm_id for arm in client.robots()]
     if len(arms) != 1:

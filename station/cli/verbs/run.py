@@ -1,4 +1,4 @@
-"""Verbs `run`, `fci` and `fetch_robot`: a station, or a simulated arm, until Ctrl-C."""
+"""Verbs `run` and `fci`, which run until Ctrl-C, and `fetch_robot`."""
 
 import logging
 import os
@@ -126,7 +126,7 @@ def add_fci(parser: "Parser") -> None:
 
 
 def _add_servers(parser: "Parser") -> None:
-    """Add where API, dashboard and the ports of tools listen, and for whom."""
+    """Add the addresses, ports and access options of API, dashboard and tools."""
     add = parser.add_argument
     add("--host", help="address to listen at; others need --token")
     add("--port", type=int, help="port of the API; 0: any free one")
@@ -171,7 +171,7 @@ def _patience(text: str) -> float:
     """Return the longest wait for a command [s].
 
     Raises:
-        ArgumentTypeError: The text is no number from 0 to 10.
+        ArgumentTypeError: The text is not a number from 0 to 10.
     """
     try:
         value = float(text)
@@ -210,7 +210,7 @@ def run(options: Namespace) -> int:
         controller_files=options.controllers,
         flags=flags,
     )
-    find_robot(config.robot.type)  # before a download that would be of no use
+    find_robot(config.robot.type)  # fail before a useless download
     fetch_what_is_missing(config.robot_parameters(), say_progress)
 
     station = StationRun(
@@ -228,10 +228,10 @@ def run(options: Namespace) -> int:
 
 
 def _robot_of(options: Namespace) -> dict[str, object]:
-    """Return the configuration of `--robot`, whose file is fetched if need be.
+    """Return the configuration of `--robot`; fetch the robot's files if necessary.
 
     Raises:
-        ConfigError: A configuration is given, too, or the base is of no use.
+        ConfigError: A configuration was given, too.
         RobotDescriptionError: The robot is unknown or cannot be simulated.
     """
     from station.app.any_robot import configure_robot
@@ -248,9 +248,9 @@ def _robot_of(options: Namespace) -> dict[str, object]:
 
 
 def _leave(code: int) -> int:
-    """Return the exit code, or end at once when a thread would hold the end up.
+    """Return the exit code, or exit at once if a thread would delay the exit.
 
-    A request that never comes back has a thread which Python waits for at its exit.
+    Python waits at exit for all threads, even for that of a request that never returns.
     """
     main = threading.main_thread()
     if any(not t.daemon and t is not main for t in threading.enumerate()):
@@ -284,7 +284,7 @@ def _warn(line: str) -> None:
 def fci(options: Namespace) -> int:
     """Serve a simulated Franka arm over the Franka Control Interface until Ctrl-C.
 
-    With `check` in the place of the configuration, check the arm at an address.
+    With `check` in place of the configuration, check the arm at an address.
     """
     refuse_other_options(options)
     if options.config == CHECK:

@@ -33,7 +33,7 @@ def _joint_position(text: str) -> tuple[str, float]:
     """Return a joint and its position.
 
     Raises:
-        ArgumentTypeError: The text has another form.
+        ArgumentTypeError: The text is malformed.
     """
     name, _, number = text.partition("=")
     try:
@@ -102,7 +102,7 @@ def _value(text: str) -> tuple[str, object]:
     """Return a key and its value.
 
     Raises:
-        ArgumentTypeError: The text has another form.
+        ArgumentTypeError: The text is malformed.
     """
     key, sign, value = text.partition("=")
     if not sign:
@@ -118,7 +118,7 @@ def _value(text: str) -> tuple[str, object]:
 
 
 def scene(options: Namespace) -> int:
-    """List the scene, change one of its objects, or keep it under a name."""
+    """List the scene, change one of its objects, or save it under a name."""
     action, name = options.action, options.name
     if action not in {"list", "saved"} and name is None:
         say(f"Which one? station scene {action} NAME")

@@ -42,7 +42,7 @@ def add_events(parser: "Parser") -> None:
 
 
 def echo(options: Namespace) -> int:
-    """Print the frames of a topic until there were enough, or Ctrl-C."""
+    """Print the frames of a topic until the wanted number or Ctrl-C."""
     rate = _rate(options.rate)
     with (
         open_client(options) as client,
@@ -120,7 +120,7 @@ def _listed(client: "StationClient", options: Namespace) -> "list[Event]":
 def _follow(client: "StationClient", options: Namespace) -> None:
     from station.wire import Event
 
-    # Connected first, so that nothing is missed between the list and the stream.
+    # Connect before listing, so that no event is missed between list and stream.
     with client.stream("events", reconnect=False) as stream:
         last = options.since or 0
         for event in _listed(client, options):

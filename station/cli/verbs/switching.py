@@ -99,12 +99,12 @@ def start(options: Namespace) -> int:
 
 
 def set_controller_state(options: Namespace) -> int:
-    """Bring a controller into a state by one step, as `ros2 control` does.
+    """Bring a controller into the next state, as `ros2 control` does.
 
-    A controller that is not loaded is unconfigured; its parameters stay.
+    A controller that is not loaded counts as unconfigured; its parameters stay.
 
     Raises:
-        UsageError: The state is not next to the present one.
+        UsageError: The state is not one step from the present state.
     """
     name, wanted = options.name, _STATES.index(options.state)
     with open_client(options) as client:
@@ -139,7 +139,7 @@ def spawn(options: Namespace) -> int:
 
 
 def kill(options: Namespace) -> int:
-    """Stop the running ones of some controllers, and unload all of them (ROS 1)."""
+    """Stop the named controllers that run, and unload all named ones (ROS 1)."""
     with open_client(options) as client:
         code = stop_running(client, options)
         for name in options.names:
@@ -150,7 +150,7 @@ def kill(options: Namespace) -> int:
 
 
 def stop_running(client: "StationClient", options: Namespace) -> int:
-    """Stop those of the named controllers that run."""
+    """Stop the named controllers that run."""
     running = [n for n in options.names if client.controller(n).state == "running"]
     if not running:
         if not options.json:

@@ -1,4 +1,4 @@
-"""Verb `ui`: the dashboard alone, for any station."""
+"""Verb `ui`: run only the dashboard, for any station."""
 
 import json
 import os
@@ -36,7 +36,8 @@ def add_ui(parser: "Parser") -> None:
         metavar=("X", "Y", "Z", "ROLL", "PITCH", "YAW"),
         help="where the robot stands [m], [rad]",
     )
-    # Given by `station run`: whom the dashboard follows, and how long without one.
+    # `station run` passes the process that the dashboard follows, and how long the
+    # dashboard waits for a new station.
     parser.add_argument("--parent-pid", type=int, help=SUPPRESS)
     parser.add_argument("--watchdog", default="", help=SUPPRESS)
     parser.add_argument("--base-moves", action="store_true", help=SUPPRESS)
@@ -48,7 +49,7 @@ def ui(options: Namespace) -> int:
     """Run the dashboard until Ctrl-C, or until the process that started it ends.
 
     Raises:
-        NoStationError: No station, or no token for it, is known.
+        NoStationError: No station was found, or no token for it is known.
         PortTakenError: The dashboard cannot listen at its port.
     """
     url, token = locate(options.connect or options.url, options.token)
@@ -64,9 +65,9 @@ def ui(options: Namespace) -> int:
         access = StationAccess(url, token, watchdog_url, viewer_token)
         follower = StationWatch(options.parent_pid, access, options.reconnect_window)
         if not follower.start():
-            return 0  # the station that wanted a dashboard is gone already
-    # Imported late, and after the watch began: Viser and the meshes take seconds, in
-    # which the station may be killed.
+            return 0  # the station that started the dashboard has already ended
+    # Imported after the watch has begun: importing Viser and the meshes takes seconds,
+    # in which the station may be killed.
     from station.app.panda_fetch import fetch_what_is_missing
     from station.app.sessions_file import SessionsFile
     from station.ui.main import DashboardConfig, DrawnRobot, run_dashboard
