@@ -1,1 +1,1 @@
-"""The composition root: builds a station from its configuration and runs it."""
+"""The composition root: build a station from its configuration and run it."""

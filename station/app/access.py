@@ -1,4 +1,4 @@
-"""Checks of the addresses the station listens on, and of what they require."""
+"""Check the addresses at which a station listens, and the token that they require."""
 
 import socket
 from ipaddress import ip_address
@@ -7,13 +7,13 @@ from station.core.errors import StationError
 
 
 class ExposedHostError(StationError, ValueError):
-    """The station would be reachable from elsewhere without a token of the user's."""
+    """Other machines could reach the station without a token chosen by the user."""
 
     code = "exposed_host"
 
 
 def is_loopback(host: str) -> bool:
-    """Say whether only programs on this machine can reach `host`."""
+    """Return whether only programs on this machine can reach `host`."""
     try:
         return ip_address(host).is_loopback
     except ValueError:
@@ -26,8 +26,8 @@ def check_exposure(host: str, token: str | None) -> None:
     Raises:
         ExposedHostError: `host` is not this machine's own and `token` is None.
     """
-    # The station's own tokens lie in files that programs of this user read; other
-    # machines need a token that somebody chose.
+    # Programs of this user read the station's own tokens from files; programs on other
+    # machines need a token that the user has chosen.
     if token is None and not is_loopback(host):
         raise ExposedHostError(
             f"api.host is '{host}', which other machines can reach, and there is no "
@@ -38,9 +38,9 @@ def check_exposure(host: str, token: str | None) -> None:
 
 
 def host_names(host: str) -> list[str]:
-    """Return names under which others may call a station that listens at `host`."""
+    """Return the names by which clients may address a station at `host`."""
     if is_loopback(host):
         return []
     name = socket.gethostname()
-    # The last one is the name in mDNS.
+    # The last name is the one in mDNS.
     return [host, name, f"{name.partition('.')[0]}.local"]

@@ -9,12 +9,12 @@ class Announcement:
     """The addresses of a station that has just started.
 
     Attributes:
-        api_url: The API.
-        ui_url: The dashboard; empty when there is none.
+        api_url: URL of the API.
+        ui_url: URL of the dashboard; empty without a dashboard.
         token: The operator's token.
-        runtime_file: Store of the tokens.
-        scheduler: Scheduling that the control thread was granted.
-        robot: SIMULATION or REAL ARM, as in the dashboard's strip.
+        runtime_file: File with the tokens.
+        scheduler: Scheduling class that the control thread was granted.
+        robot: `SIMULATION` or `REAL ARM`, as at the top of the dashboard.
         kernel: Whether the cycle's arithmetic runs interpreted or compiled, and why.
     """
 
@@ -27,7 +27,7 @@ class Announcement:
     kernel: str
 
     def lines(self) -> list[str]:
-        """Return the lines to print at once."""
+        """Return the lines to print when the API answers."""
         return [
             f"API        {self.api_url}/docs",
             f"Token      {self.token} (also in {self.runtime_file})",
@@ -36,11 +36,11 @@ class Announcement:
         ]
 
     def dashboard_line(self) -> str:
-        """Return the line for a dashboard that answers: an address that logs in."""
+        """Return the line for an answering dashboard, with an address that logs in."""
         return f"Dashboard  {self.ui_url}/login?{urlencode({'token': self.token})}"
 
     def as_json(self) -> dict[str, str]:
-        """Return it as JSON-compatible data; the token is in the runtime file."""
+        """Return JSON-compatible data; the token is only in the runtime file."""
         return {
             "api_url": self.api_url,
             "ui_url": self.ui_url,

@@ -1,4 +1,4 @@
-"""The configuration of a station for a robot of which only the URDF is known."""
+"""Make the configuration of a station for a robot from its URDF only."""
 
 import logging
 from collections.abc import Sequence
@@ -23,11 +23,11 @@ DRIVE = "mobile_base_controller"
 def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, object]:
     """Return the content of a configuration file for a robot.
 
-    Of joints in `<ros2_control>` elements only the named interfaces are commanded.
-    Its controllers are a joint state controller, a joint trajectory controller and a
-    position controller for all joints with a motor except wheels, a velocity controller
-    for wheels, and for a planar base a controller that drives it. A wheel is a joint
-    without a range that has `wheel` in its name.
+    If the URDF has `<ros2_control>` elements, only the interfaces named there are
+    commanded. The controllers are: a joint state controller; for all joints with a
+    motor except wheels a joint trajectory controller and a position controller; a
+    velocity controller for wheels; and for a planar base a controller that drives the
+    base. A wheel is a joint without a range that has `wheel` in its name.
 
     Args:
         reference: `example-robot-data:<robot>` or the path of a URDF file.
@@ -41,10 +41,10 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
     driven = driven_joints(urdf)
 
     def takes(name: str, quantity: str) -> bool:
-        # Without <ros2_control> a joint takes all commands.
+        # Without <ros2_control> elements a joint accepts all commands.
         return not tagged.hardware or quantity in tagged.commands.get(name, ())
 
-    # Positions mean nothing to a wheel that turns without end.
+    # A wheel turns without end, so positions make no sense for it.
     wheels = [name for name in driven if is_wheel(urdf, name)]
     limbs = [n for n in driven if n not in wheels and takes(n, "position")]
     wheels = [name for name in wheels if takes(name, "velocity")]
@@ -75,7 +75,7 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
             "type": "velocity_controllers/JointGroupVelocityController",
             "joints": wheels,
         }
-    # Joints of <ros2_control> that take no positions.
+    # Joints of <ros2_control> elements that accept no positions.
     others = [name for name in driven if name not in (*limbs, *wheels)]
     for quantity in ("velocity", "effort"):
         joints = [name for name in others if takes(name, quantity)]
@@ -105,7 +105,7 @@ def examine_robot(reference: str, base: BaseType = "fixed") -> Sequence[Repair]:
     """
     tree = ParameterTree({"robot": {"robot_description": reference, "base": base}})
     robot = create_robot(TYPE)
-    # What `init` logs is what this returns.
+    # `init` logs the repairs and this function returns them, so silence the log.
     logger = logging.getLogger(log_repairs.__module__)
     before = logger.disabled
     logger.disabled = True
@@ -117,13 +117,13 @@ def examine_robot(reference: str, base: BaseType = "fixed") -> Sequence[Repair]:
 
 
 def _sides(wheels: list[str]) -> tuple[list[str], list[str]] | None:
-    """Return the left and the right wheels by their names; None if they do not pair."""
+    """Return the left and the right wheels, by their names; None unless they pair."""
     left = [name for name in wheels if "left" in name]
     right = [name for name in wheels if "right" in name]
-    # Otherwise nothing says which wheels drive.
+    # Without pairs of left and right wheels it is unknown which wheels drive.
     return (left, right) if left and len(left) == len(right) else None
 
 
 def is_wheel(urdf: Urdf, name: str) -> bool:
-    """Return whether a joint turns a wheel, as far as its name and type tell."""
+    """Return whether a joint turns a wheel, judged by its name and type."""
     return urdf.joints[name].type is JointType.CONTINUOUS and "wheel" in name.lower()

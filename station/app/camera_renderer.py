@@ -1,9 +1,10 @@
 """Draw the pictures of a station's cameras, in a process of its own.
 
-It reads lines from its standard input: first `Assignment` as JSON, then the name of a
-camera whenever a client asks for its pictures. On its standard output each picture is a
-line of JSON with `name`, `stamp` and `size`, and then its bytes; a line with `error`
-says why there are none. It ends with its input, or after some time without requests.
+The process reads lines from its standard input: first `Assignment` as JSON, then the
+name of a camera whenever a client asks for pictures of it. For each picture it writes a
+line of JSON with `name`, `stamp` and `size`, and then the bytes. A line with `error`
+gives the reason why there are no pictures. The process ends when its input ends, or
+after some time without requests.
 """
 
 import asyncio
@@ -38,11 +39,11 @@ from station.wire import (
 )
 
 WANTED_FOR = 2.0
-"""A camera is drawn for so long after it was asked for [s]."""
+"""Time for which a camera is drawn after the last request for it [s]."""
 IDLE_FOR = 60.0
-"""After so long without any question the process ends [s]."""
+"""Time without requests after which the process ends [s]."""
 _NICENESS = 10
-"""What draws gives way to everything else of the station."""
+"""Niceness of this process: drawing must not delay other parts of the station."""
 _QUALITY = 80
 _GREY = (160, 160, 165)
 
@@ -106,7 +107,8 @@ class DrawnRobot:
                 asset = spec.add_mesh(name=f"{link}/{name}")
                 asset.uservert = mesh.vertices.ravel().tolist()
                 asset.userface = mesh.faces.ravel().tolist()
-                # Parts of visual meshes may be flat or open.
+                # Visual meshes may be flat or open, for which only shell inertia is
+                # defined.
                 asset.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
             pose = np.linalg.inv(self._robot.get_transform(link)) @ place
             spec.body(link).add_geom(
@@ -120,7 +122,7 @@ class DrawnRobot:
             )
 
     def move(self, states: JointStates) -> None:
-        """Take on the positions of the joints; one that is not finite stays."""
+        """Move the joints; a joint without a finite position stays."""
         pairs = zip(states.name, states.position, strict=True)
         self._robot.update_cfg({
             joint: value
@@ -135,14 +137,14 @@ class DrawnRobot:
 
 
 class Stage:
-    """All that cameras see, as a model of MuJoCo that is placed and never stepped.
+    """All that cameras see, as a model of MuJoCo that sets poses and runs no steps.
 
     Args:
         robots: The robots.
         cameras: The cameras by name.
 
     Raises:
-        ValueError: A camera hangs on a frame that no robot has.
+        ValueError: A camera is mounted to a frame that no robot has.
     """
 
     def __init__(
@@ -162,7 +164,7 @@ class Stage:
 
     def draw(self, name: str, states: JointStates, scene: Scene) -> NDArray[np.uint8]:
         """Return the picture of a camera, shape (height, width, 3)."""
-        # A zone that arms keep out of is no thing: a camera sees what can be touched.
+        # A camera sees solid objects only, and no zones that arms keep out of.
         things = [one for one in scene.objects if one.solid]
         key = [(one.name, one.type, one.size, one.file, one.colour) for one in things]
         if self._built_for != key:
@@ -254,8 +256,9 @@ def _lit_floor() -> mujoco.MjSpec:
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.compiler.autolimits = False
-    # What is nearer or farther than these shares of the extent is not drawn: a camera
-    # in a hand sees its fingers, and others the whole hall, however small the robot.
+    # MuJoCo draws objects between two shares of the extent only. Set them so that a
+    # camera in a hand sees the fingers, and other cameras the whole hall, however small
+    # the robot is.
     spec.stat.extent = 1.0
     spec.visual.map.znear, spec.visual.map.zfar = 0.01, 50.0
     spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
@@ -263,7 +266,8 @@ def _lit_floor() -> mujoco.MjSpec:
     lamp = spec.worldbody.add_light(
         dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
     )
-    # The map of shadows is too coarse for an endless floor, and takes half of the time.
+    # A map of shadows would be too coarse for an endless floor, and takes half of the
+    # time.
     lamp.castshadow, lamp.specular = False, [0.1, 0.1, 0.1]
     for kind, builtin, size in (
         (mujoco.mjtTexture.mjTEXTURE_SKYBOX, mujoco.mjtBuiltin.mjBUILTIN_GRADIENT, 64),
@@ -311,7 +315,7 @@ def _matrix(pose: Pose) -> NDArray[np.float64]:
 def _pose(
     position: Sequence[float | None], orientation: Sequence[float | None]
 ) -> Pose:
-    """Return a pose of the wire; where a reading is not finite, that of the origin."""
+    """Return a pose of the wire; the origin if a reading is not finite."""
     values = [value for value in (*position, *orientation) if value is not None]
     if len(values) < 7:
         return Pose()
@@ -326,7 +330,7 @@ class Renderer:
         assignment: The station, its robots and its cameras.
 
     Raises:
-        ValueError: A camera cannot be where it was put.
+        ValueError: A camera is mounted to a frame that no robot has.
     """
 
     def __init__(self, assignment: Assignment) -> None:
@@ -339,7 +343,7 @@ class Renderer:
         self._idle_at = time.monotonic() + IDLE_FOR
 
     async def run(self) -> None:
-        """Draw until the input ends, or no request has come for long."""
+        """Draw until the input ends, or until no request has come for `IDLE_FOR`."""
         fastest = max(camera.rate for camera in self._assignment.cameras.values())
         async with AsyncStationClient(
             self._assignment.url, self._assignment.token
@@ -355,7 +359,7 @@ class Renderer:
                 await asyncio.sleep(0.005)
                 for task in tasks:
                     if task.done():
-                        task.result()  # raises: a stream ends by an error alone
+                        task.result()  # raises the error that ended the stream
             for task in (*tasks, listening):
                 task.cancel()
 
@@ -405,5 +409,5 @@ def main() -> None:
 if __name__ == "__main__":
     try:
         main()
-    except Exception as error:  # noqa: BLE001 - whatever it is, people have to read it
+    except Exception as error:  # noqa: BLE001 - every error must reach people
         _write(b"", error=" ".join(f"{type(error).__name__}: {error}".split()))

@@ -1,4 +1,4 @@
-"""Build a station from its configuration: robot, parameters, manager, loop, facade."""
+"""Build the robot, parameters, manager, loop and facade of a configured station."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -33,7 +33,8 @@ class Composition:
 
     Attributes:
         station: The facade; it knows the loop, the manager and the parameters.
-        not_loaded: Why a controller of the configuration is not loaded, by its name.
+        not_loaded: Error that kept a controller of the configuration from loading, by
+            its name.
     """
 
     station: Station
@@ -42,8 +43,8 @@ class Composition:
     def sort_starts(self, names: Sequence[str]) -> tuple[list[str], list[str]]:
         """Return the controllers that can start, and a warning for each of the others.
 
-        Hardware that does not begin active, because the configuration says so, is no
-        reason to refuse the whole start.
+        A controller whose hardware is configured to begin inactive does not prevent the
+        whole start.
 
         Args:
             names: Names of controllers to start.
@@ -99,12 +100,12 @@ def compose(
 
     Args:
         config: The configuration.
-        clock: Wall time; the system's when None.
+        clock: Clock of wall time; None for the system's clock.
         heartbeat: The page that the loop shares with a watchdog, if there is one.
-        snapshots: Ring that receives the snapshots; one of the usual size when
-            None. A smaller one saves memory where many stations share a process.
-        announce: Takes the next step before it begins: a robot or a controller
-            may take long, or hang.
+        snapshots: Ring that receives the snapshots; None makes one of the usual size. A
+            smaller one saves memory where many stations share a process.
+        announce: Called with the name of each step before it begins, because the start
+            of a robot or of a controller may take long, or hang.
 
     Raises:
         StationError: The robot, or a controller to be started, cannot be used.
@@ -143,7 +144,8 @@ def compose(
         root,
         config.robot.type,
         reserved=RESERVED_NAMES,
-        # The description may change: models that are loaded later read it.
+        # Other parameters must not replace the robot's; the robot description may
+        # change, because models that are loaded later read it.
         fixed=frozenset({ROBOT_NAMESPACE}),
     )
     _check_envelope(config, station.joint_names)
@@ -151,7 +153,7 @@ def compose(
 
 
 def _check_envelope(config: StationConfig, joints: Sequence[str]) -> None:
-    # The range of a joint that is misspelt would hold nothing.
+    # A range for a misspelt joint would have no effect.
     unknown = sorted(config.agents.envelope.joints.keys() - set(joints))
     if unknown:
         raise ConfigError(

@@ -1,7 +1,8 @@
-"""The file by which a station finds a dashboard that outlived its predecessor.
+"""The file by which a station finds a dashboard that has outlived another station.
 
 One file per dashboard, `<pid>.dashboard`, in the user's runtime directory. The station
-writes it, the dashboard reads it: who has a station's token there is the same user.
+writes the file with its token, and the dashboard reads it: only programs of the same
+user can.
 """
 
 import os
@@ -20,20 +21,20 @@ from station.local.private_files import (
 
 @dataclass(frozen=True, slots=True)
 class DashboardRecord:
-    """A dashboard's process, and the station it belongs to.
+    """The process of a dashboard, and the station that it shows.
 
     Attributes:
-        pid: The dashboard's process.
-        started: When it started, as the system counts it.
+        pid: Process number of the dashboard.
+        started: When the dashboard started, from `process_start`.
         host: Host on which the dashboard listens.
         port: Its port.
-        shown: Drawn robots and the version of the program, as one text; a
-            station adopts a dashboard only if it would start the same.
-        station_pid: The station's process.
-        station_started: When that one started.
-        api_url: The station's API.
+        shown: Drawn robots and version of the program, as one text; a station adopts a
+            dashboard only if it would start one with the same text.
+        station_pid: Process number of the station.
+        station_started: When the station started, from `process_start`.
+        api_url: URL of the station's API.
         token: The operator's token.
-        watchdog_url: The listener of the station's watchdog; empty when there is none.
+        watchdog_url: URL of the station's watchdog; empty without a watchdog.
         viewer_token: The viewer's token; empty when it is not known.
     """
 
@@ -70,13 +71,13 @@ def read_dashboard(pid: int) -> DashboardRecord | None:
 
 
 def claim_orphan(host: str, port: int) -> DashboardRecord | None:
-    """Adopt a dashboard whose station has ended, before another station does.
+    """Claim a dashboard whose station has ended, so that no other station adopts it.
 
-    Files of dashboards that have ended are removed.
+    It deletes the files of dashboards that have ended.
 
     Args:
-        host: Host on which it must listen.
-        port: Its port; 0: any.
+        host: Host at which the dashboard must listen.
+        port: Its port; 0 accepts any port.
 
     Returns:
         The dashboard, or None when there is none.
@@ -94,7 +95,7 @@ def claim_orphan(host: str, port: int) -> DashboardRecord | None:
             continue
         taken = path.with_suffix(f".taken-{os.getpid()}")
         try:
-            path.rename(taken)  # of two stations that start, one succeeds
+            path.rename(taken)  # only one of two starting stations succeeds
         except FileNotFoundError:
             continue
         taken.unlink()

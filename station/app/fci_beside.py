@@ -51,22 +51,22 @@ _END = 2.0
 
 
 class FciBeside:
-    """Joins a process that serves clients to the arm and the hand of a station.
+    """Connects a process that serves libfranka's clients with a station's arm and hand.
 
-    The process moves bytes (`fci_door`). Requests of a client are carried out by the
-    control thread between two cycles, at the request of a thread that waits for the
-    process.
+    The process moves bytes (`fci_door`). A thread reads the requests of a client from
+    the process, and lets the control thread carry them out between two cycles.
 
     Args:
         station: The station; its loop need not run yet.
         host: Address to listen at.
-        warn: Takes a line about something that is not as it should be.
-        version: The only version that is spoken; None for all that have a table.
+        warn: Called with a line about a problem.
+        version: The only version of the protocol; None for all versions with a table.
         desk_port: TCP port of Desk; None serves no Desk. The brakes are open at the
-            start, and FCI is active: controllers use the arm as well.
+            start, and FCI is active, because controllers of the station use the arm,
+            too.
 
     Raises:
-        FciRobotError: The robot is no simulated Franka arm.
+        FciRobotError: The robot is not a simulated Franka arm.
         FciPortError: An address cannot be used.
         StationError: Desk has no certificate.
     """
@@ -106,7 +106,7 @@ class FciBeside:
             self._hand = HandGuest(hand, self._pages[1], may_move=self._may_move)
         self._closing = contextlib.ExitStack()
         self._thread: threading.Thread | None = None
-        # What Desk asks for is done one after the other.
+        # One thread carries out the requests of Desk one after the other.
         self._changes = ThreadPoolExecutor(1, "fci-desk")
         self._closing.callback(os.close, self._memory)
         self._closing.callback(self._close_door)
@@ -127,11 +127,11 @@ class FciBeside:
         self.close()
 
     def close(self) -> None:
-        """Send the client away and end the process."""
+        """Disconnect the client and end the process."""
         self._closing.close()
 
     def change(self, action: Callable[[], None]) -> Future[None]:
-        """Let something be done between two cycles; see `ServerOfDesk`."""
+        """Call a function between two cycles; see `ServerOfDesk`."""
         return self._changes.submit(self._loop.run_in_cycle, action)
 
     def open_or_close(self, *, is_open: bool) -> Future[None]:
@@ -139,12 +139,12 @@ class FciBeside:
         return self._changes.submit(self._open_door if is_open else self._close_door)
 
     def _serve_desk(self, port: int, hand: HandServices | None) -> None:
-        """Serve Desk until the end.
+        """Serve Desk until `close`.
 
         Raises:
             StationError: The port or the certificate cannot be used.
         """
-        # Imported here: without Desk no second web server is needed.
+        # Imported here, because only Desk needs this web server.
         from station.hw.franka.fci.desk.desk_server import DeskServer, new_desk
         from station.hw.franka.fci.desk.desk_state import ServedArm
 
@@ -156,18 +156,19 @@ class FciBeside:
         self._closing.callback(DeskServer(desk, self._host, port).close)
 
     def _open_door(self) -> None:
-        """Start the process, if it does not run.
+        """Start the process that serves clients, if it does not run.
 
         Raises:
             StationError: The address cannot be used.
         """
         if self._thread is not None:
             return
-        for page in self._pages:  # answers that the last process has not sent
+        for page in self._pages:  # drop answers that the last process has not sent
             page.take_answers()
         self._pipe, other = socket.socketpair()
         with other:
-            # It has the scheduling of the station's threads: a message every 1 ms.
+            # The process keeps the scheduling of the station's threads, because it
+            # sends a message every 1 ms.
             inherited = (other.fileno(), self._memory)
             self._process = subprocess.Popen(
                 [
@@ -194,7 +195,7 @@ class FciBeside:
         self._thread.start()
 
     def _close_door(self) -> None:
-        """End the process, if it runs; the client goes."""
+        """End the process, if it runs, and so disconnect the client."""
         if self._thread is None:
             return
         self._end_process()
@@ -214,7 +215,7 @@ class FciBeside:
         """Wait until the process listens.
 
         Raises:
-            FciPortError: The process cannot listen, or does not in time.
+            FciPortError: The process cannot listen, or does not listen in time.
         """
         self._pipe.settimeout(_START)
         try:
@@ -277,7 +278,7 @@ class FciBeside:
         return b"", None
 
     def _say_goodbye(self) -> None:
-        """End the motion that the last client has begun."""
+        """End the motion of the last client."""
         try:
             self._loop.run_in_cycle(self._guest.leave)
             if self._hand is not None:

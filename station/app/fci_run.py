@@ -39,21 +39,21 @@ _logger = logging.getLogger(__name__)
 
 
 class FciRobotError(StationError, ValueError):
-    """The configured robot is no simulated Franka arm."""
+    """The configured robot is not a simulated Franka arm."""
 
     code = "fci_robot"
 
 
 class FciRun:
-    """The server of one simulated arm, from start to end. Main thread.
+    """The server of one simulated arm, from start to end, in the main thread.
 
     Args:
-        config: The configuration; its robot and its scene are used.
+        config: The configuration, of which only robot and scene are used.
         settings: Address and protocol of the server.
-        version: The only version that is spoken; None for all that have a table.
-        tell: Takes a line once clients can connect, and one at the end.
-        warn: Takes a line about something that is not as it should be.
-        desk_port: TCP port of Desk; None serves no Desk: the brakes are open then, and
+        version: The only version of the protocol; None for all versions with a table.
+        tell: Called with a line when clients can connect, and with one at the end.
+        warn: Called with a line about a problem.
+        desk_port: TCP port of Desk; None serves no Desk; then the brakes are open and
             FCI is active.
     """
 
@@ -127,12 +127,12 @@ class FciRun:
         *,
         kind: str,
     ) -> None:
-        """Serve Desk until the stack is left.
+        """Serve Desk until the exit stack closes.
 
         Raises:
             StationError: The port or the certificate cannot be used.
         """
-        # Imported here: without Desk no web server is needed.
+        # Imported here, because only Desk needs a web server.
         from station.hw.franka.fci.desk.desk_server import DeskServer, new_desk
         from station.hw.franka.fci.desk.desk_state import ServedArm
 
@@ -151,10 +151,10 @@ class FciRun:
         )
 
     def _parameters(self) -> Parameters:
-        """Return the parameters as a station of this configuration has them.
+        """Return the robot's parameters as a station with this configuration has them.
 
         Raises:
-            FciRobotError: The robot is no single Franka arm.
+            FciRobotError: The robot is not a single Franka arm.
         """
         kind = self._config.robot.type
         if kind != ROBOT_TYPE:
@@ -175,13 +175,13 @@ class FciRun:
 def protocols_of(
     parameters: FrankaParameters, version: int | None = None
 ) -> Sequence[RobotProtocol]:
-    """Return the versions that the client of an arm may speak, the arm's own one last.
+    """Return the protocol versions that clients of an arm may use, the arm's own last.
 
-    The own one is the newest that an arm of this kind has. A real arm speaks one only.
+    The arm's own version is the newest for its kind. A real arm accepts only one.
 
     Args:
         parameters: The arm.
-        version: The only version; None for all that have a table.
+        version: The only version; None for all versions with a table.
     """
     if version is not None:
         return (PROTOCOLS[version],)
@@ -207,7 +207,7 @@ def model_library_of(
 
     Args:
         parameters: The arm.
-        warn: Takes a line when there is no model for them.
+        warn: Called with a line if there is no model library for clients.
 
     Raises:
         RobotDescriptionError: The URDF cannot be used.

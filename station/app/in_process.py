@@ -1,4 +1,4 @@
-"""A station inside a program: the same robot, controllers and loop, no sockets."""
+"""A station inside a program: the same robot, controllers and loop without sockets."""
 
 import logging
 import math
@@ -43,33 +43,34 @@ _LOGGER = logging.getLogger(__name__)
 _TRAJECTORY = "/JointTrajectoryController"
 _FINAL = {"succeeded", "aborted", "preempted"}
 _DRAIN = 500
-"""Cycles between two looks of a recorder, whose samples of arms are kept for 512."""
+"""Cycles between two reads of a recorder; samples of arms are kept for 512 cycles."""
 _BATCH = 1000
-"""Cycles between two looks at the ring of snapshots, which keeps 4096."""
+"""Cycles between two reads of the ring of snapshots, which keeps 4096."""
 
 
 class InProcessStation:
     """A station without server and dashboard; `station.open` makes one.
 
-    Stepped, station time passes in `step`, `run`, `move_to` and `collect` only, as
-    fast as the processor can, and every run is the same, bit for bit: timeouts and
-    watchdogs of controllers follow a virtual clock. Threaded, the control thread runs
-    at its rate on the wall clock, and these methods wait.
+    In a stepped station, time passes only in `step`, `run`, `move_to` and `collect`, as
+    fast as the processor can. Every run is the same, bit for bit, because timeouts and
+    watchdogs of controllers follow a virtual clock. In a threaded station, the control
+    thread runs at its rate on the wall clock, and these methods wait.
 
-    Every method raises the errors of `station.core.errors`, and changes nothing then.
+    Methods raise errors of `station.core.errors`; a refused call changes nothing.
 
     Args:
-        config: The station's YAML file, or the content of one; None takes the
-            default: a simulated Panda. A configuration that `load_config` has read is
-            taken as it is; `controllers` and `settings` are part of it.
+        config: The station's YAML file, or the content of such a file; None takes the
+            default, a simulated Panda. A configuration from `load_config` is used as it
+            is: `controllers` and `settings` are ignored.
         controllers: Parameter files written for ROS, added to the controllers.
-        settings: Single values by dotted key, e.g. `{"station.rate": 500}`.
-        threaded: Run the control thread.
+        settings: Single settings by dotted key, e.g. `{"station.rate": 500}`.
+        threaded: Whether to run the control thread.
 
     Attributes:
-        facade: Everything else that a station can do: loading, goals, services, the
+        facade: The facade, for all other operations: loading, goals, services, the
             simulation, reports, the latched stop.
-        not_loaded: Why a controller of the configuration is not loaded, by its name.
+        not_loaded: Error that kept a controller of the configuration from loading, by
+            its name.
     """
 
     def __init__(
@@ -90,7 +91,7 @@ class InProcessStation:
             )
         self._config = loaded
         self._recorder: Recorder | None = None
-        find_robot(loaded.robot.type)  # before a download that would be of no use
+        find_robot(loaded.robot.type)  # fail before a useless download
         fetch_what_is_missing(loaded.robot_parameters(), _LOGGER.warning)
         self._clock = None if threaded else ManualClock()
         composition = compose(loaded, self._clock)
@@ -102,12 +103,13 @@ class InProcessStation:
         self._stack = ExitStack()
         if threaded:
             self._stack.enter_context(realtime_interpreter())
-            # In reverse order at the end: the loop stops before its robot closes.
+            # The stack closes in reverse order, so the loop stops before its robot
+            # closes.
             self._stack.callback(self.facade.loop.hw.close)
             self._stack.callback(self.facade.loop.stop)
             self.facade.loop.start()
         else:
-            # Switches and recoveries that take cycles take virtual time, too.
+            # Switches and recoveries that need cycles run them in virtual time.
             self.facade.manager.pump = self.step
             self.step()
         self.switch(start=start)
@@ -120,7 +122,7 @@ class InProcessStation:
 
     def close(self) -> None:
         """Stop all controllers and end the control thread."""
-        # A stop with a reason of its own keeps it.
+        # A station that is already stopped keeps the reason of its stop.
         if self.facade.loop.stop_latch.state is not StopState.STOPPED:
             self.facade.stop("the program ends")
         self._stack.close()
@@ -152,7 +154,7 @@ class InProcessStation:
         """Run some cycles now.
 
         Args:
-            cycles: How many, >= 0.
+            cycles: Number of cycles, >= 0.
 
         Raises:
             LoopError: The control thread runs.
@@ -163,8 +165,8 @@ class InProcessStation:
             loop.step(cycles, tick)
             return
         while cycles > 0:
-            # At the same cycles whatever the sizes of the steps, so that recordings are
-            # the same.
+            # Drain at the same cycles whatever the sizes of the steps, so that
+            # recordings are equal.
             ahead = min(cycles, _DRAIN - loop.cycle % _DRAIN)
             loop.step(ahead, tick)
             cycles -= ahead
@@ -175,16 +177,16 @@ class InProcessStation:
     def record(
         self, folder: Path | str, name: str = "", note: str = ""
     ) -> "Iterator[Path]":
-        """Record every cycle while the `with` block runs; yields the path of the file.
+        """Record every cycle while the `with` block runs; yield the path of the file.
 
-        The file is whole after the block. `station record rerun FILE` and the pytest
-        fixture `rerun` step it again, when the first recording of a station begins
-        within its first 4000 cycles.
+        The file is complete after the block. `station record rerun FILE` and the pytest
+        fixture `rerun` can step it again if it is the station's first recording and
+        begins within the first 4000 cycles.
 
         Args:
             folder: Folder of the recording.
             name: Name of the file: letters, digits, `_`, `.` and `-`.
-            note: For the record.
+            note: Note to store in the recording.
 
         Raises:
             RecordingRefusedError: A recording runs already, or its name is not allowed.
@@ -216,7 +218,7 @@ class InProcessStation:
         """Let station time pass: run its cycles, or wait for the control thread.
 
         Args:
-            seconds: How much, >= 0 [s]; rounded to whole cycles.
+            seconds: Station time to pass [s], >= 0; rounded to whole cycles.
 
         Raises:
             LoopError: The control thread died.
@@ -225,13 +227,14 @@ class InProcessStation:
         if not self.is_threaded:
             self.step(round(seconds / loop.period))
             return
-        # Half a period less: station time is a sum of periods, and rounding must not
-        # add a cycle.
+        # Subtract half a period, because station time is a sum of periods, and rounding
+        # must not add a cycle.
         end = loop.time + seconds - 0.5 * loop.period
         while loop.time < end:
             loop.check_alive()
             left = (end - loop.time) / loop.pace.real_time_factor
-            # Short sleeps: the simulation may be paused, slowed down, or die meanwhile.
+            # Sleep briefly, because the simulation may be paused, slowed down, or end
+            # meanwhile.
             loop.clock.sleep_until(loop.clock.now() + min(left, 0.1))
 
     def switch(self, start: Sequence[str] = (), stop: Sequence[str] = ()) -> None:
@@ -250,7 +253,8 @@ class InProcessStation:
         Args:
             name: The controller.
             values: One number per element of its set-points.
-            timeout: How long it is valid [s], 0 for ever; the controller's own if None.
+            timeout: How long it is valid [s], 0 for ever; None for the controller's own
+                timeout.
         """
         self.facade.motion.set_command(name, values, timeout=timeout)
 
@@ -265,16 +269,16 @@ class InProcessStation:
     def rehearse(
         self, steps: Sequence[Mapping[str, object]], seconds: float | None = None
     ) -> Rehearsal:
-        """Forecast the end of commands in a copy of this process; nothing moves.
+        """Forecast the effect of commands in a copy of this process; nothing moves.
 
         Args:
             steps: The commands, as `POST /rehearse` takes them.
-            seconds: How long the rehearsal lasts [s]; until all goals have ended and
-                the joints stand still when None, 30 s at most.
+            seconds: How long the rehearsal lasts [s]; None ends it when all goals have
+                ended and the joints stand still, after 30 s at the latest.
 
         Raises:
-            RehearsalError: The robot is a real one that moves or has no model, or this
-                machine cannot copy the process.
+            RehearsalError: The robot is real and moves or has no model, or this machine
+                cannot copy the process.
         """
         defaults = {"at": 0.0, "timeout": None, "rates": None}
         run = partial(run_model, self._config)
@@ -287,18 +291,18 @@ class InProcessStation:
         self.facade.simulation.reset(positions)
 
     def move_to(self, target: Target, *, duration: float | None = None) -> None:
-        """Move joints by a trajectory controller and return when they are there.
+        """Move joints by a trajectory controller and return when they have arrived.
 
-        A trajectory controller is started if none runs, and controllers that hold the
+        If no trajectory controller runs, one is started, and controllers that claim its
         joints are stopped in the same cycle.
 
         Args:
             target: Name of a pose (`ready`, `stretched`), one position per joint, or
                 positions by joint [rad or m]; other joints stay.
-            duration: How long it takes [s]; a calm time when None.
+            duration: Duration of the motion [s]; None for a slow motion.
 
         Raises:
-            MotionError: The joints did not arrive; with the reason.
+            MotionError: The joints did not arrive; the message has the reason.
         """
         name = self._trajectory_controller()
         motion = self.facade.motion
@@ -315,12 +319,13 @@ class InProcessStation:
             raise MotionError(f"The goal of '{name}' was {ended.status.value}. {why}")
 
     def collect(self, seconds: float, controller: str | None = None) -> Samples:
-        """Let time pass and return every cycle of it, as NumPy arrays.
+        """Let time pass, and return every cycle of this time as NumPy arrays.
 
         Args:
-            seconds: How much station time, > 0 [s].
-            controller: Samples of this controller: `desired`, `actual`, `error` and
-                `output`; the joints' `position`, `velocity` and `effort` when None.
+            seconds: Station time to pass [s], > 0.
+            controller: Controller whose samples to return: `desired`, `actual`, `error`
+                and `output`. None returns `position`, `velocity` and `effort` of the
+                joints.
         """
         samples = Samples(controller or "joint_states")
         cycle, left = self.facade.loop.cycle, seconds
@@ -357,10 +362,10 @@ class InProcessStation:
         )
 
     def _trajectory_controller(self) -> str:
-        """Return a trajectory controller that runs; start one when none does.
+        """Return a running trajectory controller; start one if none runs.
 
         Raises:
-            MotionError: None is loaded.
+            MotionError: No trajectory controller is loaded.
         """
         found = [c for c in self.facade.controllers() if c.type.endswith(_TRAJECTORY)]
         if not found:
@@ -368,7 +373,7 @@ class InProcessStation:
             raise MotionError(f"No JointTrajectoryController is loaded. {why}".rstrip())
         found.sort(
             key=lambda c: (
-                # One that runs already needs no switch.
+                # Prefer a running controller, which needs no switch.
                 c.state is not ControllerState.RUNNING,
                 not c.type.startswith("position_"),
             )
@@ -404,8 +409,8 @@ def open_station(
 
 
 def _numbers(values: object) -> object:
-    """Return numbers as a list, None if not finite; other values unchanged."""
+    """Return numbers as a list, None if not finite; return other values unchanged."""
     if isinstance(values, list | tuple):
-        # As the API sends them: JSON has no NaN.
+        # Like the API, which sends null because JSON has no NaN.
         return [v if math.isfinite(v) else None for v in values]
     return values

@@ -1,4 +1,4 @@
-"""A running station's event log, and the watcher that fills it."""
+"""The event log of a running station, and the watcher that fills it."""
 
 import json
 from collections.abc import Callable
@@ -29,16 +29,16 @@ TOKENS = "tokens.json"
 class Journal:
     """Opens the event log of a station, follows the station, and closes the log.
 
-    A station whose state directory cannot be used runs all the same, with its events in
-    memory only, and says so.
+    A station whose state directory cannot be used still runs, keeps its events in
+    memory only, and warns.
 
     Args:
         station: The station.
-        warn: Takes a line about something that is not as it should be.
+        warn: Called with a line about a problem.
 
     Attributes:
         log: The event log.
-        directory: Folder that outlives the station; None when there is none.
+        directory: Folder of files that outlive the station; None if it cannot be used.
     """
 
     def __init__(self, station: Station, warn: Callable[[str], None]) -> None:
@@ -76,7 +76,7 @@ class Journal:
         """Record the start and follow the station until the end.
 
         Args:
-            app: The application, whose counts of repeated requests are recorded, too.
+            app: The application; its counts of repeated requests are recorded, too.
         """
         services: Services = app.state.services
         recorder = services.event_recorder
@@ -108,7 +108,7 @@ class Journal:
         self._stack.callback(watcher.stop)
 
     def _exchange(self, recorder: "Recorder") -> None:
-        """Let recordings have the events, and events tell of the recordings."""
+        """Write events into recordings, and begin and end of recordings as events."""
 
         def add(event: Event) -> None:
             kind, severity = event.kind.value, event.severity.value

@@ -1,4 +1,4 @@
-"""The log as JSON, one object per line, for programs that collect logs."""
+"""Write the log as JSON, one object per line, for programs that collect logs."""
 
 import json
 import logging
@@ -14,7 +14,7 @@ TEXT, JSON = "text", "json"
 class JsonFormatter(logging.Formatter):
     """Writes a record with `time`, `level`, `logger`, `message`.
 
-    Where there are any, `request_id` and `exception` (the traceback) follow.
+    A record may also have `request_id` and `exception` (the traceback).
     """
 
     @override
@@ -34,11 +34,11 @@ class JsonFormatter(logging.Formatter):
 
 
 def set_up_log(form: str) -> None:
-    """Let the process log to stderr.
+    """Make the process log to stderr.
 
     Args:
-        form: `text` for people has warnings only; `json` for programs also has the
-            requests that changed something or were refused.
+        form: `text` is for people and has warnings only; `json` is for programs and
+            also has the requests that changed something or were refused.
     """
     handler = logging.StreamHandler()
     if form == JSON:

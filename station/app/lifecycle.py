@@ -1,7 +1,7 @@
-"""Start a station in order, watch it, stop it in reverse order.
+"""Start the parts of a station in order, watch them, stop them in reverse order.
 
-Stopping: the robot is held, the dashboard is asked to end, streams close, the
-dashboard is gone, the control thread ends, the watchdog ends.
+The stop has these steps: hold the robot, ask the dashboard to end, close the streams,
+wait for the dashboard, end the control thread, end the watchdog.
 """
 
 import contextlib
@@ -62,13 +62,14 @@ if TYPE_CHECKING:
 
 
 class ExtensionsBuild:
-    """Builds the extensions when none fit and this machine has a compiler.
+    """Builds the compiled extensions if none fit and this machine has a compiler.
 
-    The process that builds runs in idle time only, so that the control loop has the
-    processor before it, and outlives the station, so that a short run is enough.
+    The building process runs in idle time only, so that it does not delay the control
+    loop. It outlives the station, so that even a short run of the station starts a
+    complete build.
 
     Args:
-        warn: Takes a line about something that is not as it should be.
+        warn: Called with a line about a problem.
     """
 
     def __init__(self, warn: Callable[[str], None]) -> None:
@@ -76,7 +77,7 @@ class ExtensionsBuild:
         self._is_started = False
 
     def start(self) -> str:
-        """Start to build if that is needed; return the running arithmetic, and why."""
+        """Start a build if it is needed; return what runs now, and the reason."""
         if compiled.needs_building():
             try:
                 with ordinary_priority():
@@ -88,7 +89,7 @@ class ExtensionsBuild:
         return compiled.present_status().text()
 
     def is_settled(self) -> bool:
-        """Return whether there is nothing to wait for; warn when the build failed."""
+        """Return whether no build is under way; warn if the build failed."""
         if not self._is_started:
             return True
         if failure := compiled.find_failure():
@@ -108,21 +109,21 @@ UI_TIMEOUT = 0.5
 LOOP_TIMEOUT = 0.4
 """Longest wait for the control thread [s]; all waits together are below 3 s."""
 UI_RESTARTS = 3
-"""So often a dashboard that crashes is started again within `UI_MEMORY`."""
+"""Number of restarts of a crashed dashboard within `UI_MEMORY`."""
 UI_MEMORY = 60.0
-"""How long an end of the dashboard counts [s]."""
+"""Time for which an end of the dashboard counts [s]."""
 WATCH_PERIOD = 0.2
-"""How often the station looks whether its parts live [s]."""
+"""Time between two checks whether the parts of the station run [s]."""
 
 
 class StationRun:
-    """A station with its server and dashboard, from start to end. Main thread.
+    """A station with its server and dashboard, from start to end, in the main thread.
 
     Args:
         config: The configuration.
-        tell: Takes the announcement once the API answers.
-        tell_dashboard: Takes it once the dashboard answers.
-        warn: Takes a line about something that is not as it should be.
+        tell: Called with the announcement when the API answers.
+        tell_dashboard: Called with the announcement when the dashboard answers.
+        warn: Called with a line about a problem.
     """
 
     def __init__(
@@ -146,8 +147,9 @@ class StationRun:
         """Run until SIGINT, SIGTERM or SIGHUP.
 
         Raises:
-            StationError: The station cannot start as configured, or not stop in time.
-            EndedByWatchdogError: The watchdog has ended it.
+            StationError: The station cannot start as configured, or does not stop in
+                time.
+            EndedByWatchdogError: The watchdog has ended the station.
         """
         try:
             self._run()
@@ -166,14 +168,16 @@ class StationRun:
             check_exposure(self._config.api.host, self._config.api.token)
             tls = self._tls()
             if tls is not None:
-                tls.context()  # unusable files are reported before all else
+                tls.context()  # report unusable files before all else
             authenticator = Authenticator(self._config.api.token)
             self._watchdog.start(authenticator)
             station = self._start_loop(stack)
             announcement = self._start_network(stack, station, authenticator)
-            # Once more, although it is on the stack: it comes before all else.
+            # Hold the robot before all other steps of the stop; the stack has a later
+            # hold, too.
             stack.callback(_hold, station)
-            # Starting the server holds the interpreter; that says nothing of the loop.
+            # The start of the server holds the interpreter, so earlier statistics are
+            # not those of the loop.
             station.loop.reset_statistics()
             stack.callback(self._watchdog.expect_end)
             self._watchdog.guard(station)
@@ -203,7 +207,8 @@ class StationRun:
             announce(f"Starting the controllers {', '.join(start)}")
             station.switch_controllers(SwitchRequest(start=start))
         if self._config.fci.enabled:
-            # Imported here: it loads the Franka, and most stations do without.
+            # Imported here, because it loads the Franka's modules, and most stations do
+            # not need it.
             from station.app.fci_beside import FciBeside
 
             fci = self._config.fci
@@ -226,7 +231,7 @@ class StationRun:
         if few is not None:
             self._warn(few)
         api, ui, tls = self._config.api, self._config.ui, self._tls()
-        # The robot knows best where it stands.
+        # Use the robot's own parameters, which have the pose of its base.
         robot = station.parameters.get(ROBOT_NAMESPACE)
         placed = robot if isinstance(robot, dict) else {}
         orphan = self._find_dashboard(placed)
@@ -277,7 +282,8 @@ class StationRun:
             watchdog_url=self._watchdog.url,
             certificate="" if tls is None else str(tls.certificate),
         )
-        # Before the dashboard begins: there it finds the certificate.
+        # Write the file before the dashboard starts, which reads the certificate's path
+        # from it.
         path = write_runtime_file(running)
         stack.callback(path.unlink, missing_ok=True)
         if ui.enabled:
@@ -303,7 +309,7 @@ class StationRun:
         return find_orphan(api.host, ui.port, options.shown()) if ui.enabled else None
 
     def _name_free_ports(self, ports: "Sequence[ToolPort[Any]]") -> None:
-        """Warn where tools are served that were given any free port."""
+        """Warn at which port a tool is served if the configuration leaves it open."""
         configured = (self._config.foxglove, self._config.rosbridge)
         asked = [one.port for one in configured if one.enabled]
         for port, number in zip(ports, asked, strict=True):
@@ -339,7 +345,7 @@ class StationRun:
         )
 
     def _tls(self) -> TlsFiles | None:
-        """Return certificate and key, with whole paths; None without TLS."""
+        """Return certificate and key, with absolute paths; None without TLS."""
         tls = self._config.api.tls
         if tls.certificate is None or tls.key is None:
             return None
@@ -348,7 +354,7 @@ class StationRun:
     def _watch(
         self, station: Station, announcement: Announcement, signals: ShutdownSignals
     ) -> None:
-        """Print news of the station until a signal comes."""
+        """Watch the parts of the station until a signal comes."""
         self._tell(announcement)
         if not announcement.scheduler.startswith("SCHED_FIFO"):
             self._warn(
@@ -392,7 +398,8 @@ class StationRun:
             now = time.monotonic()
             ends[:] = [*(end for end in ends if now - end < UI_MEMORY), now]
             told = f"The dashboard ended (exit code {code})"
-            # One that ends in order was ended by somebody, e.g. with `kill`.
+            # A dashboard that ends without an error was ended on purpose, e.g. with
+            # `kill`.
             if code != 0 and len(ends) <= UI_RESTARTS:
                 self._warn(f"{told}; it is started again at the same address.")
                 ui.start_again()
@@ -410,8 +417,8 @@ class StationRun:
             self._ui.terminate()
 
     def _finish_ui(self) -> None:
-        # A dashboard whose station is ended by the watchdog waits for the next one, as
-        # after a crash.
+        # When the watchdog ends the station, the dashboard waits for the next station,
+        # as after a crash.
         if self._ui is not None and not self._watchdog.heartbeat.is_ended_by_watchdog:
             self._ui.finish(UI_TIMEOUT)
 
@@ -421,7 +428,7 @@ class StationRun:
 
 
 def _rules_of(config: StationConfig) -> Rules:
-    """Return the rules of rehearsals as the configuration has them."""
+    """Return the rules of rehearsals in a configuration."""
     section, bounds = config.rehearsal, config.agents.envelope
     return Rules(
         operator=Policy(section.operator),
@@ -432,7 +439,7 @@ def _rules_of(config: StationConfig) -> Rules:
 
 
 def _hold(station: Station) -> None:
-    """Stop all controllers and wait for the cycle that does it; the robot holds."""
+    """Stop all controllers, and wait for the cycle that stops them; the robot holds."""
     loop = station.loop
     if loop.stop_latch.state is not StopState.STOPPED:
         station.stop("the station ends")
@@ -446,8 +453,8 @@ def _hold(station: Station) -> None:
 
 
 def _dashboard_url(api_url: str, port: int) -> str | None:
-    """Return the address of a dashboard at the API's host; None if there is none."""
-    # The dashboard speaks plain HTTP, whatever the API does.
+    """Return the URL of a dashboard at the API's host; None without a dashboard."""
+    # The dashboard speaks plain HTTP, even if the API speaks HTTPS.
     host = api_url.removeprefix("https:").removeprefix("http:").rpartition(":")[0]
     return f"http:{host}:{port}" if port else None
 
@@ -462,7 +469,7 @@ def _fingerprint(tls: TlsFiles | None) -> str:
 def _drawn_robots(
     robot: Mapping[str, object],
 ) -> list[tuple[str, str, tuple[float, ...]]]:
-    """Return description, prefix and base of each robot to draw, at least one.
+    """Return description, prefix and base of each robot to draw, one at least.
 
     A combined robot has a block of parameters for each of its parts.
     """
@@ -480,5 +487,5 @@ def _drawn_robots(
 
 
 def _floats(value: object) -> tuple[float, ...]:
-    """Return three numbers that the robot has checked; zeros if there are none."""
+    """Return three numbers that the robot has checked; zeros without numbers."""
     return tuple(map(float, value)) if isinstance(value, list) else (0.0,) * 3

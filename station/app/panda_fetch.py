@@ -1,8 +1,8 @@
-"""Fetch the Panda's description once, without the 430 MB of all other robots.
+"""Download the Panda's description once, without the 430 MB of all other robots.
 
-The files come out of the wheel of example-robot-data. uv or pip downloads it, so that
-the user's mirror, proxy and certificates hold; each file is checked against the hash in
-`panda.sha256`, and the rest of the wheel is removed again.
+The files come from the wheel of example-robot-data. uv or pip downloads the wheel, so
+that the user's mirror, proxy and certificates apply. Each file is checked against the
+hash in `panda.sha256`, and the rest of the wheel is deleted.
 """
 
 import hashlib
@@ -34,7 +34,7 @@ class PandaNotFetchedError(RobotDescriptionError):
     """The Panda's files could not be fetched.
 
     Args:
-        reason: Why, without a full stop.
+        reason: The reason, without a full stop.
     """
 
     def __init__(self, reason: str) -> None:
@@ -47,11 +47,11 @@ class PandaNotFetchedError(RobotDescriptionError):
 
 
 def fetch_what_is_missing(parameters: object, tell: Callable[[str], None]) -> None:
-    """Fetch the Panda if a robot of a configuration needs it and it is not there.
+    """Fetch the Panda if a robot of a configuration needs it and it is missing.
 
     Args:
-        parameters: The robot's parameters, nested as they like.
-        tell: Takes a sentence before something takes long.
+        parameters: The robot's parameters, nested in any way.
+        tell: Called with a sentence before a step that takes long.
 
     Raises:
         RobotDescriptionError: The robot could not be fetched.
@@ -64,7 +64,7 @@ def fetch_panda(tell: Callable[[str], None]) -> Path:
     """Fetch the Panda's files and return the directory that now has them.
 
     Args:
-        tell: Takes a sentence before something takes long.
+        tell: Called with a sentence before a step that takes long.
 
     Raises:
         RobotDescriptionError: There is no installer or no network, the directory cannot
@@ -102,10 +102,10 @@ def _references(value: object) -> Iterator[object]:
 
 
 def _download(target: Path) -> None:
-    """Install the wheel into a directory of its own.
+    """Install the wheel into a separate directory.
 
     Raises:
-        PandaNotFetchedError: There is no installer, or it failed.
+        PandaNotFetchedError: There is no installer, or the installer failed.
     """
     command = [*_installer(), "--quiet", "--no-deps", "--only-binary", DISTRIBUTION]
     wanted = f"{DISTRIBUTION}=={VERSION}"
@@ -126,12 +126,12 @@ def _installer() -> list[str]:
     """Return the beginning of the command that installs packages.
 
     Raises:
-        PandaNotFetchedError: Neither pip nor uv is there.
+        PandaNotFetchedError: Neither pip nor uv is installed.
     """
     beside = str(Path(sys.executable).parent)
     uv = shutil.which("uv", path=f"{beside}{os.pathsep}{os.environ.get('PATH', '')}")
     if uv is not None:
-        # Without its cache: that would keep all 430 MB.
+        # Without the cache, which would keep all 430 MB.
         return [uv, "pip", "install", "--no-cache", "--python", sys.executable]
     if find_spec("pip") is not None:
         return [sys.executable, "-m", "pip", "install", "--no-cache-dir"]

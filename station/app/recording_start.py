@@ -1,4 +1,4 @@
-"""Build the recorder of a station from its configuration, and mend broken files."""
+"""Build the recorder of a station from its configuration, and repair broken files."""
 
 import importlib.util
 import json
@@ -30,18 +30,20 @@ _PACKAGES = ("foxglove", "lz4", "mcap")
 def make_recorder(
     station: Station, config: StationConfig, warn: Callable[[str], None]
 ) -> "Recorder | None":
-    """Return the recorder of a station; None when it is to record nothing.
+    """Return the recorder of a station; None if it cannot or must not record.
 
     Args:
-        station: The station; best before its first cycle, because a recording can be
-            run again only if all is known that was asked since then.
+        station: The station, if possible before its first cycle: a recording can be
+            re-run only if it has all inputs since then.
         config: Its configuration.
-        warn: Takes a line about a recovery, or the reason why recording is impossible.
+        warn: Called with a line about a recovery, or with the reason why recording is
+            impossible.
     """
     section = config.records
     if not section.enabled:
         return None
-    # Looked up without importing: a warning beats a station that does not start.
+    # Only look the packages up, and warn: a missing package must not keep the station
+    # from starting.
     missing = [one for one in _PACKAGES if importlib.util.find_spec(one) is None]
     if missing:
         warn(
@@ -49,7 +51,7 @@ def make_recorder(
             f"Install it: {install_command('records')}"
         )
         return None
-    # Imported late: the packages may be missing.
+    # Imported late, because the packages may be missing.
     from station.records.recorder import Recorder
 
     folder = Path(section.directory) if section.directory else default_folder()
@@ -57,7 +59,8 @@ def make_recorder(
     incidents = None
     if section.incidents:
         incidents = RecordStore(folder / "incidents", Quota(count=section.incidents))
-    # Files may have many gigabytes: the station starts meanwhile.
+    # Files may have many gigabytes, so recover them in a thread while the station
+    # starts.
     threading.Thread(
         target=recover_all,
         args=((store, *([incidents] if incidents else [])), station, warn),
@@ -74,8 +77,8 @@ def recover_all(
 
     Args:
         stores: The folders.
-        station: The station, whose control thread comes first.
-        warn: Takes a line about each recording, and about each file that is skipped.
+        station: The station, whose control thread has the right of way.
+        warn: Called with a line about each recording, and about each skipped file.
     """
     for store in stores:
         for skipped in store.skipped():
@@ -94,7 +97,8 @@ def make_ports(
     """Return the servers for Foxglove and rosbridge that are configured.
 
     Args:
-        app: The application of the API, whose tokens and lease count there, too.
+        app: The application of the API; its tokens and lease apply to these servers,
+            too.
         station: The station.
         config: Its configuration.
         policy: Hosts and origins that the API allows.
@@ -103,10 +107,10 @@ def make_ports(
         return []
     texts = describe(station, config)
     description = texts.get("/robot_description", "")
-    # A mock may have no description, and a text may be no URDF.
+    # A mock may have no description, or one that is not a URDF.
     urdf = parse_urdf(description) if description.lstrip().startswith("<") else None
 
-    # Imported here: most stations do without.
+    # Imported here, because most stations do not need it.
     from station.api.tool_port import Place
 
     def place(section: "ToolPortSection") -> Place:
@@ -131,7 +135,7 @@ def make_ports(
 
 def describe(station: Station, config: StationConfig) -> dict[str, str]:
     """Return the station's description for a recording, by topic."""
-    # The secrets of the server are nothing that a file should carry.
+    # A file must not contain the secrets of the servers.
     secret = {"api", "ui", "watchdog", "records", "foxglove", "rosbridge"}
     values = config.model_dump(mode="json", exclude=secret)
     values["parameters"] = json.loads(json.dumps(config.parameters, default=str))
@@ -151,4 +155,4 @@ def _robot_text(found: str) -> str:
     try:
         return load_robot_files(found).xml
     except RobotDescriptionError:
-        return found  # the name of it, which is better than nothing
+        return found  # the name is better than nothing

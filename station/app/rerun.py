@@ -1,7 +1,7 @@
-"""Step the configuration of a recording again, with its inputs, and compare.
+"""Re-run a recording: step its configuration with its inputs, and compare.
 
-A station is deterministic: the same configuration, asked the same before the same
-cycles, takes the same way bit for bit. So a recording is a regression test of
+A station is deterministic: the same configuration with the same inputs before the same
+cycles gives the same motion, bit for bit. So a recording is a regression test of
 controllers, robots and the station itself.
 """
 
@@ -33,9 +33,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _STANDSTILL = ManualClock()
-"""Measures the validity of set-points: wall time plays no part in a re-run."""
+"""Clock for the timeouts of set-points; it stands still, because wall time has no
+effect in a re-run."""
 _BATCH = 1000
-"""Cycles between two looks at the ring of snapshots, which keeps 4096."""
+"""Cycles between two reads of the ring of snapshots, which keeps 4096."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +44,11 @@ class Difference:
     """The first difference between a re-run and its recording.
 
     Attributes:
-        cycle: The first cycle that is not the same.
-        joint: The first joint in it.
+        cycle: The first cycle that differs.
+        joint: The first joint that differs in this cycle.
         quantity: position, velocity or effort.
-        recorded: Its value in the recording [rad, m, rad/s, m/s, Nm or N].
-        rerun: Its value now, in the same unit.
+        recorded: Value of the quantity in the recording [rad, m, rad/s, m/s, Nm or N].
+        rerun: Value of the quantity in the re-run, in the same unit.
     """
 
     cycle: int
@@ -64,8 +65,8 @@ class RerunResult:
     Attributes:
         cycles: Number of cycles that were compared.
         difference: The first difference; None when there is none.
-        not_repeated: Inputs that cannot be asked again, and from which cycle on the
-            re-run may differ for that reason, one sentence each.
+        not_repeated: Inputs that cannot be repeated, one sentence each, with the cycle
+            from which the re-run may differ.
     """
 
     cycles: int
@@ -78,7 +79,7 @@ class RerunResult:
         return self.difference is None
 
     def as_json(self) -> dict[str, object]:
-        """Return the result as JSON has it."""
+        """Return the result as JSON-compatible data."""
         return {"is_equal": self.is_equal, **asdict(self)}
 
     def text(self) -> str:
@@ -101,9 +102,9 @@ def rerun(path: Path | str) -> RerunResult:
         path: The MCAP file of a recording or an incident.
 
     Raises:
-        RecordingFileError: The file is no whole recording, or lacks inputs since
+        RecordingFileError: The file is not a complete recording, or lacks inputs since
             the station's first cycle.
-        StationError: The station cannot be built as it was configured.
+        StationError: The station cannot be built from the recorded configuration.
     """
     path = Path(path)
     inputs = read_inputs(path)
@@ -130,7 +131,7 @@ class _Rerun:
     ) -> None:
         self._station = station
         self._clock = clock
-        # Those of one cycle stay in their order.
+        # The sort is stable: inputs of the same cycle stay in their order.
         self._inputs = deque(sorted(inputs, key=lambda one: one["after"]))  # type: ignore[arg-type, return-value]  # numbers, by JSON
         self._not_repeated: list[str] = []
         self._prepared: dict[int, list[Callable[[], None]]] = {}
@@ -139,11 +140,11 @@ class _Rerun:
         for one in self._inputs:
             if one["kind"] in PLANNED and one.get("planned_at") is not None:
                 self._plans.setdefault(float(str(one["planned_at"])), []).append(one)
-        # A switch runs cycles while it waits; they have their inputs, too.
+        # A switch runs cycles while it waits, and these cycles have inputs, too.
         station.manager.pump = self._advance
 
     def compare(self, recorded: Trajectory) -> RerunResult:
-        """Run until the recording ends or the first difference comes."""
+        """Run until the end of the recording, or until the first difference."""
         loop, done, first = self._station.loop, 0, 0
         if not len(recorded.cycle):
             return RerunResult(0, None, ())
@@ -173,7 +174,7 @@ class _Rerun:
         loop.step()
 
     def _plan_ahead(self) -> None:
-        """Plan the inputs that were planned in this cycle and taken up later."""
+        """Plan the inputs that the recorded station planned now and used later."""
         for one in self._plans.pop(self._station.loop.time, ()):
             if id(one) not in self._done:
                 self._prepare(one)
@@ -188,7 +189,7 @@ class _Rerun:
         self._prepared[id(one)] = receipt.held
 
     def _hand_over(self, one: Arguments) -> None:
-        """Hand a plan over that is taken up in the next cycle."""
+        """Submit a plan that the next cycle takes."""
         if id(one) not in self._prepared:
             planned_at = one.get("planned_at")
             if planned_at is not None and planned_at != self._station.loop.time:
@@ -224,7 +225,7 @@ class _Rerun:
         )
 
     def _let_no_time_pass(self, name: str) -> None:
-        """Let a set-point expire where the recording says so, and nowhere else."""
+        """Stop the clock of set-points, which expire only where the recording says."""
         port = self._station.manager.get_controller(name).set_points
         if port is not None:
             port.clock = _STANDSTILL

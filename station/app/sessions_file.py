@@ -1,8 +1,8 @@
-"""The file by which a restarted dashboard knows its sessions.
+"""The file from which a restarted dashboard restores its sessions.
 
-One file per port, `<port>.sessions`, in the user's runtime directory: a browser sends
-its cookie to the same port again. The file is as private as that with the station's
-token, which is worth more than a session.
+There is one file per port, `<port>.sessions`, in the user's runtime directory, because
+a browser sends its cookie to the same port again. The file is as private as the file
+with the station's token, which is worth more than a session.
 """
 
 import json
@@ -21,12 +21,12 @@ from station.ui.sessions.sessions import KeptSession, Role
 _logger = logging.getLogger(__name__)
 
 _MOST = 150
-"""Sessions kept at most, the newest: more than that do not fit into a private file."""
+"""Number of the newest sessions that are kept; more do not fit into a private file."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Record:
-    """The content of the file; the sessions are JSON inside a text."""
+    """The content of the file; `sessions` is a text with JSON."""
 
     station: str
     sessions: str
@@ -37,8 +37,8 @@ class SessionsFile:
 
     Args:
         port: The port, not 0.
-        station: The API of the station that the dashboard belongs to. Who logged in at
-            one station is nobody at another one.
+        station: URL of the API of the dashboard's station. A login at one station does
+            not count at another one.
     """
 
     def __init__(self, port: int, station: str) -> None:
@@ -46,11 +46,11 @@ class SessionsFile:
         self._station = station
 
     def move_to(self, station: str) -> None:
-        """Belong to another station, which took the place of a crashed one."""
+        """Keep the sessions for another station, which has replaced a crashed one."""
         self._station = station
 
     def load(self) -> list[KeptSession]:
-        """Return the sessions that this station saved last; empty if none are its."""
+        """Return the sessions last saved for this station; empty if there are none."""
         record = read_private(runtime_directory() / self._name, _Record)
         if record is None or record.station != self._station:
             return []
@@ -65,13 +65,13 @@ class SessionsFile:
                 for one in json.loads(record.sessions)
             ]
         except (ValueError, TypeError, KeyError):
-            return []  # somebody else's text: everybody logs in again
+            return []  # not our text: every user logs in again
 
     def save(self, sessions: Sequence[KeptSession]) -> None:
-        """Keep these sessions, oldest first, instead of those kept before.
+        """Save these sessions, oldest first, in place of those saved before.
 
-        A directory that cannot be written costs a login after the next start, and not
-        this one: that is only logged.
+        If the directory cannot be written, this is only logged: users must log in again
+        after the next start.
         """
         kept = [
             {**asdict(session), "role": session.role.value}

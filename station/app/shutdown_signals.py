@@ -1,4 +1,4 @@
-"""Turn Ctrl-C and SIGTERM into an orderly end; the second one into an immediate one."""
+"""Turn Ctrl-C or SIGTERM into an orderly end, a second one into an immediate end."""
 
 import os
 import select
@@ -11,11 +11,11 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class ShutdownSignals:
-    """Waits for signals; a context manager of the main thread.
+    """Waits for signals; a context manager for the main thread.
 
-    Until `wait` is called for the first time, a signal raises `KeyboardInterrupt`, so
-    that a start under way is given up. After that the first one ends `wait`, and any
-    further one calls `at_once` and ends the process.
+    Until the first call of `wait`, a signal raises `KeyboardInterrupt`, so that it
+    aborts a start. Afterwards the first signal ends `wait`, and a further signal calls
+    `at_once` and ends the process.
 
     Args:
         at_once: Kills the processes that must not outlive this one; must not block.
@@ -43,7 +43,7 @@ class ShutdownSignals:
         os.close(self._sent)
 
     def wait(self, timeout: float) -> bool:
-        """Wait for a signal at most `timeout` [s]; return whether there was one."""
+        """Wait `timeout` [s] at most for a signal; return whether one came."""
         self._waiting = True
         return bool(select.select([self._received], [], [], timeout)[0])
 

@@ -1,7 +1,7 @@
-"""The dashboard's eye on its station: ends with it, or waits for the next one.
+"""Watch the dashboard's station: end with it, or wait for the next one.
 
-It runs in a thread of the dashboard's process and is started before anything heavy is
-imported, so that a station killed in these seconds leaves nobody behind.
+A thread of the dashboard's process watches. It starts before slow imports, so that a
+station that is killed in these seconds leaves no dashboard behind.
 """
 
 import os
@@ -13,21 +13,21 @@ from station.local.private_files import is_alive, process_start
 from station.ui.link.station_access import StationAccess
 
 LOOK_PERIOD = 0.1
-"""How often the thread looks [s]."""
+"""Time between two looks of the thread [s]."""
 ENDING_TIME = 3.0
-"""Longest orderly end of the dashboard once nobody adopts it [s]."""
+"""Longest orderly end of a dashboard that no station has adopted [s]."""
 
 
 class StationWatch:
     """Follows the station that started this process, and its successors.
 
-    A dashboard that still starts ends at once when its station ends: nobody has logged
-    in. A dashboard that serves waits for `window` seconds for a station that adopts it,
-    so that a crash does not log everybody out; then it ends, since it has a token.
+    A dashboard that is still starting ends at once with its station, because no user
+    has logged in. A serving dashboard waits `window` seconds for a station that adopts
+    it, so that a crash does not log users out. Then it ends, because it holds a token.
 
     Args:
-        parent: The process of the station.
-        access: How to reach it.
+        parent: Process number of the station.
+        access: Address and tokens of the station.
         window: How long to wait for another station [s], >= 0.
     """
 
@@ -39,7 +39,7 @@ class StationWatch:
         self.is_over = False
 
     def start(self) -> bool:
-        """Begin to look; return False when the station has ended already."""
+        """Start the thread; return False if the station has already ended."""
         if os.getppid() != self._station[0]:
             return False
         threading.Thread(target=self._run, name="station-watch", daemon=True).start()
@@ -51,7 +51,7 @@ class StationWatch:
             now = time.monotonic()
             if is_alive(*self._station) or self._is_adopted():
                 lost_since = None
-            # Nothing is shown yet, so nothing is lost.
+            # The dashboard does not serve yet, so no session is lost.
             elif not self.is_serving:
                 os._exit(0)
             elif lost_since is None:
@@ -62,9 +62,9 @@ class StationWatch:
             time.sleep(LOOK_PERIOD)
         self.is_over = True
         dashboard_path(os.getpid()).unlink(missing_ok=True)
-        # A dashboard that hangs must not keep the token either.
+        # Even a dashboard that hangs must not keep the token.
         time.sleep(ENDING_TIME)
-        # Not `sys.exit`: this thread cannot end the others.
+        # `sys.exit` would end this thread only.
         os._exit(1)
 
     def _is_adopted(self) -> bool:
@@ -72,7 +72,7 @@ class StationWatch:
         if record is None:
             return False
         station = (record.station_pid, record.station_started)
-        # The record may be that of the station that has just ended.
+        # The record may still name the station that has just ended.
         if station == self._station or not is_alive(*station):
             return False
         self._station = station

@@ -1,4 +1,4 @@
-"""The station's side of the watchdog: reports to it, and its supervision."""
+"""The station's side of the watchdog: report to it, and supervise it."""
 
 import math
 import os
@@ -20,27 +20,28 @@ if TYPE_CHECKING:
 FINISH_TIMEOUT = 0.2
 """Longest wait for the watchdog to end [s]."""
 RESTART_PERIOD = 1.0
-"""Shortest time between two starts of the watchdog, the first restart excepted [s]."""
+"""Shortest time between two restarts of the watchdog [s]."""
 LATE = 1.0
-"""Age of the watchdog's last look that counts as damage [s]; it looks every 0.01 s."""
+"""Age of the watchdog's last look that counts as a failure [s]; it looks every 0.01 s.
+"""
 HOPELESS = 3.0
-"""Age at which a damaged watchdog is killed, and another one started [s]."""
+"""Age of the last look at which the watchdog is killed and restarted [s]."""
 _INCIDENTS = "incidents"
 
 
 class EndedByWatchdogError(StationError, RuntimeError):
-    """The watchdog ended the station, since the control loop did not come back."""
+    """The watchdog has ended the station, because the control loop stood still."""
 
     code = "ended_by_watchdog"
 
 
 class StationWatchdog:
-    """The watchdog of one station, from its start to its end. Main thread.
+    """The watchdog of one station, from its start to its end, in the main thread.
 
     Args:
-        config: Whether there is one, and its limits.
-        warn: Takes a line about something that is not as it should be.
-        process: Its process; one is made if there is to be one when None.
+        config: Configuration, which has the limits of the watchdog or disables it.
+        warn: Called with a line about a problem.
+        process: Its process; None makes one if the configuration enables the watchdog.
     """
 
     def __init__(
@@ -58,16 +59,17 @@ class StationWatchdog:
         self._may_start_at = 0.0
         self._authenticator: Authenticator | None = None
         self._told: dict[str, NamedToken] = {}
-        # The loop writes its beats in any case, in memory that nobody else reads.
+        # Without a watchdog, the loop writes its beats into memory that no other
+        # process reads.
         self.heartbeat = self._process.heartbeat if self._process else Heartbeat()
 
     @property
     def url(self) -> str:
-        """Return the address of the watchdog; empty when there is none."""
+        """Return the URL of the watchdog; empty without a watchdog."""
         return self._process.url if self._process else ""
 
     def start(self, authenticator: Authenticator) -> None:
-        """Start the process; until `guard` it only reports the step that takes long."""
+        """Start the process; until `guard` it only reports slow steps of the start."""
         if self._process is None:
             return
         limits = self._config.watchdog
@@ -78,14 +80,14 @@ class StationWatchdog:
             viewer_token=authenticator.viewer_token,
             incident_directory=str(runtime_directory() / _INCIDENTS),
             stack_signal=STACK_SIGNAL,
-            # A cycle may use its whole period, and the one after it may come late.
+            # A cycle may use its whole period, and the next cycle may begin late.
             notice_after=max(limits.notice_after, 2.0 / self._config.station.rate),
             end_after=limits.end_after,
         )
         self._process.start(self._settings)
 
     def announce(self, step: str) -> None:
-        """Report the start of a start-up step; the watchdog warns of a long one.
+        """Report the next step of the start; the watchdog warns if it takes long.
 
         Args:
             step: Step of the start, e.g. `Loading the controller 'arm'`.
@@ -94,7 +96,7 @@ class StationWatchdog:
             self._process.tell({"step": step})
 
     def guard(self, station: Station) -> None:
-        """Let the watchdog act from now on when the loop stands still."""
+        """Let the watchdog react to a standstill of the loop from now on."""
         commands = tuple(map(tuple, station.loop.hw.hold_commands()))
         if self._process is not None and self._settings is not None:
             self._settings = self._settings._replace(hold_commands=commands)
@@ -107,7 +109,7 @@ class StationWatchdog:
         if self._process is None:
             return
         station.loop.right_of_way.give()
-        # Between two pieces: building the status takes a part of a period.
+        # Give way before and after this piece of work, which takes a part of a period.
         status = _status(station)
         station.loop.right_of_way.give()
         self._process.tell(status)
@@ -119,7 +121,7 @@ class StationWatchdog:
         if code is None:
             self._look_at_its_beat(station, self._process, now)
             return
-        # A watchdog that ends at once must not keep the station busy with starts.
+        # A watchdog that ends at once must not keep the station busy with restarts.
         self._may_start_at = now + RESTART_PERIOD
         self._told = {}
         station.watchdog_failure = f"The watchdog ended (exit code {code})."
@@ -128,7 +130,7 @@ class StationWatchdog:
     def _look_at_its_beat(
         self, station: Station, process: WatchdogProcess, now: float
     ) -> None:
-        """Tell of a watchdog that lives and does not look: it is stopped, or hangs."""
+        """Warn of a watchdog that runs but does not look: it is stopped, or hangs."""
         age = process.age(now)
         if age <= LATE:
             station.watchdog_failure = None
@@ -146,10 +148,10 @@ class StationWatchdog:
             process.kill()
 
     def _tell_tokens(self, process: WatchdogProcess) -> None:
-        """Report the named tokens that are new, and those that have ended."""
+        """Report new and ended named tokens to the watchdog."""
         known = self._authenticator
         valid = {} if known is None else known.named.by_digest()
-        # Revoked and expired ones first, so that none is valid for longer than needed.
+        # Report ended tokens first, so that none is valid for longer than necessary.
         for digest in self._told.keys() - valid.keys():
             process.tell_token({"digest": digest, "role": "", "expires": None})
         for digest in valid.keys() - self._told.keys():
@@ -162,7 +164,7 @@ class StationWatchdog:
         self._told = valid
 
     def expect_end(self) -> None:
-        """Tell the watchdog that the station ends in order from now on."""
+        """Tell the watchdog that an orderly end of the station begins."""
         self.heartbeat.phase = Phase.ENDING
 
     def finish(self) -> None:
@@ -171,10 +173,10 @@ class StationWatchdog:
             self._process.finish(FINISH_TIMEOUT)
 
     def check_end(self, cause: StationError | None = None) -> None:
-        """Raise if the watchdog has ended the station.
+        """Raise an error if the watchdog has ended the station.
 
         Args:
-            cause: Error of the station's end, if there was one.
+            cause: Error with which the station ended, if any.
 
         Raises:
             EndedByWatchdogError: The watchdog has ended the station.
@@ -189,7 +191,7 @@ class StationWatchdog:
 
 
 def _status(station: Station) -> dict[str, object]:
-    """Return the station's status for an incident; takes no lock."""
+    """Return the station's status for the file of an incident, without a lock."""
     snapshot = station.snapshots.latest()
     if snapshot is None:
         return {}

@@ -1,8 +1,8 @@
-"""A model of a real arm: the simulated arm with its settings, in a process of its own.
+"""A model of a real arm: a simulated arm with its settings, in a separate process.
 
-To copy the station's process, as for a simulated arm, may hold the control thread up
-for so long that a real arm misses too many commands and stops. A process that is
-spawned shares no memory with it.
+For a simulated arm the station's process is copied. With a real arm, this may delay the
+control thread for so long that the arm misses too many commands and stops. A spawned
+process shares no memory with the station, and does not delay it.
 """
 
 import logging
@@ -31,27 +31,29 @@ from station.hw.franka.franka_hw import FrankaHW
 ResultT = TypeVar("ResultT")
 
 _READY = frozenset({"idle", "move"})
-"""Modes in which an arm moves, or may be started."""
+"""Modes in which an arm moves or can begin to move."""
 _LONGEST = 60.0
-"""Longest that a model may take [s]; a second or two to start, and the motion."""
+"""Longest run of a model [s]: one or two seconds to start, and the motion."""
 
 
 @dataclass(frozen=True, slots=True)
 class Likeness:
-    """The settings and the state that a model takes over.
+    """The settings and the state that a model takes from the real arm.
 
     Attributes:
-        config: The configuration, without the address of the arm and controllers.
+        config: The configuration, without controllers and without the address of the
+            arm.
         positions: Positions of the joints by name [rad].
-        load: The load that was set in the arm.
-        end_effector: NE_T_EE, 16 numbers.
-        stiffness_frame: EE_T_K, 16 numbers.
-        behavior: Thresholds of collisions; None for those of the configuration.
+        load: Load that is set in the arm.
+        end_effector: NE_T_EE, column-major, shape (16,).
+        stiffness_frame: EE_T_K, column-major, shape (16,).
+        behavior: Collision thresholds that are set in the arm; None for those of the
+            configuration.
         roles: The objects with a role around the arm.
         controllers: Parameters of the loaded controllers, by name.
         running: Names of the running controllers.
         gains: Gains by controller and name.
-        stopped: Reason of the latched stop; None when motion is allowed.
+        stopped: Reason of the latched stop; None if motion is allowed.
     """
 
     config: StationConfig
@@ -68,17 +70,18 @@ class Likeness:
 
     @classmethod
     def of(cls, config: StationConfig, station: Station) -> "Likeness":
-        """Describe a station's real arm so that a simulated arm can stand for it.
+        """Read the settings and the state of a station's real arm.
 
         Args:
             config: Its configuration.
             station: The station.
 
         Raises:
-            RehearsalError: The robot is no single real Franka arm, or is not ready.
+            RehearsalError: The robot is not a single real Franka arm, or the arm is not
+                ready.
         """
         real, told = station.loop.hw, station.parameters.get(ROBOT_NAMESPACE)
-        # Any other robot might connect to the real one again without an address.
+        # Only for this class is it known that a robot without an address is simulated.
         if not isinstance(real, FrankaHW) or not isinstance(told, dict):
             raise RehearsalError(
                 "There is no model of this real robot.",
@@ -120,11 +123,12 @@ class Likeness:
         )
 
     def build(self) -> Station:
-        """Return a stepped station with a simulated arm of this likeness.
+        """Return a stepped station with a simulated arm of these settings.
 
         Raises:
             RehearsalError: The simulated arm has other joints.
-            StationError: It cannot stand or be set up like the real one.
+            StationError: The simulated arm cannot take over the pose or a setting of
+                the real one.
         """
         twin = compose(self.config, ManualClock()).station
         hw, period = twin.loop.hw, twin.loop.period
@@ -155,19 +159,20 @@ class Likeness:
 def run_model(
     config: StationConfig, station: Station, work: Callable[[Station], ResultT]
 ) -> ResultT:
-    """Return the result of some work with a model of a real arm.
+    """Call a function with a model of a real arm, and return its result.
 
     Args:
         config: The configuration of the station.
         station: The station.
-        work: Called with the model, in a process of its own.
+        work: Function that is called with the model, in a separate process.
 
     Raises:
-        RehearsalError: There is no model, or its process ended without a result.
-        StationError: The work raised it.
+        RehearsalError: The arm has no model, or the process ended without a result.
+        StationError: `work` has raised it.
     """
     question = pickle.dumps((Likeness.of(config, station), work))
-    # Without `close_fds` the process is spawned: nothing of this one is copied.
+    # Without `close_fds` the process is spawned, so that no memory of this one is
+    # copied.
     with subprocess.Popen(
         [sys.executable, "-m", "station.app.twin"],
         stdin=subprocess.PIPE,
@@ -196,7 +201,7 @@ def run_model(
 
 
 def _answer(question: bytes) -> object:
-    """Do the work; return its result, or the error with which it ended."""
+    """Call the function in a request; return its result, or the error it raised."""
     likeness, work = pickle.loads(question)
     try:
         return work(likeness.build())
@@ -207,6 +212,6 @@ def _answer(question: bytes) -> object:
 if __name__ == "__main__":
     with suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    # What building has to say was logged when the station itself was built.
+    # The station has already logged the warnings that building it again would log.
     logging.disable()
     sys.stdout.buffer.write(pickle.dumps(_answer(sys.stdin.buffer.read())))

@@ -18,9 +18,10 @@ from station.core.scheduling import ordinary_priority
 from station.local.private_files import process_start
 
 ORPHAN_TIME = 1.0
-"""How long a dashboard that does not fit may take to end before it is killed [s]."""
+"""Time for a dashboard that does not fit to end before it is killed [s]."""
 UNKNOWN_CODE = -1
-"""Exit code of an adopted process: the system tells it to the parent alone."""
+"""Exit code of an adopted process, because the system reports the true one to its
+parent only."""
 
 
 class PortTakenError(StationError, OSError):
@@ -44,10 +45,10 @@ class PortTakenError(StationError, OSError):
 
 
 def free_port(host: str, port: int) -> int:
-    """Return a port that can be listened at: `port`, or any when it is 0.
+    """Return a free port: `port`, or any free port if it is 0.
 
     Raises:
-        PortTakenError: `port` is taken, or `host` is not this machine's.
+        PortTakenError: `port` is taken, or `host` is not an address of this machine.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as probe:
@@ -60,27 +61,30 @@ def free_port(host: str, port: int) -> int:
 
 
 VIEWER_VARIABLE = "STATION_VIEWER_TOKEN"
-"""Environment variable that hands the viewer's token to a dashboard."""
+"""Environment variable that passes the viewer's token to a dashboard."""
 
 
 @dataclass(frozen=True, slots=True)
 class UiOptions:
-    """The settings that are handed to the dashboard process.
+    """The settings that are passed to the dashboard's process.
 
     Attributes:
-        api_url: The station's API.
+        api_url: URL of the station's API.
         token: The operator's token.
         host: Host on which the dashboard listens.
         port: Its port, not 0.
-        robot_description: The robot to draw; empty draws none.
+        robot_description: Description of the robot to draw; empty draws no robot.
         arm_id: Prefix of the robot's joints.
         base: Pose of the root link: x, y, z [m], roll, pitch, yaw [rad].
-        base_moves: Whether that link floats or drives instead.
+        base_moves: Whether the root link floats or drives, so that `base` is not its
+            pose.
         beside: Description, prefix and base of each further robot to draw.
-        watchdog_url: The listener of the station's watchdog; empty when there is none.
-        reconnect_window: How long it waits for another station after a crash [s].
+        watchdog_url: URL of the station's watchdog; empty without a watchdog.
+        reconnect_window: How long the dashboard waits for another station after a crash
+            [s].
         certificate: Hash of the station's certificate, which the dashboard trusts;
-            empty without TLS. A station with another one needs another dashboard.
+            empty without TLS. A station with another certificate needs another
+            dashboard.
         viewer_token: The viewer's token, for sessions that outlive a station.
     """
 
@@ -99,14 +103,14 @@ class UiOptions:
     viewer_token: str = ""
 
     def shown(self) -> str:
-        """Return a text of all that decides whether a running dashboard can stay."""
+        """Return, as text, the settings that a running dashboard must have to stay."""
         first = (self.robot_description, self.arm_id, self.base, self.base_moves)
         drawn = (*first, self.beside)
         told = (self.reconnect_window, self.certificate)
         return f"{station.__version__} {drawn} {told}"
 
     def command(self) -> list[str]:
-        """Return the command line; the token is not in it, others could read it."""
+        """Return the command line, without the token, which others could read there."""
         return [
             *(sys.executable, "-m", "station", "ui", "--connect", self.api_url),
             *("--host", self.host, "--port", str(self.port)),
@@ -121,7 +125,7 @@ class UiOptions:
 
 
 class _Process(Protocol):
-    """The part of `subprocess.Popen` that a process started elsewhere also offers."""
+    """The part of `subprocess.Popen` that an adopted process offers, too."""
 
     @property
     def pid(self) -> int: ...
@@ -130,10 +134,10 @@ class _Process(Protocol):
 
 
 class AdoptedProcess:
-    """A process that another program started; safe against reuse of its number.
+    """A process that another program has started, identified beyond its number.
 
     Args:
-        pid: Its number.
+        pid: Its process number.
         port: The port of the dashboard in it.
 
     Raises:
@@ -163,14 +167,14 @@ class AdoptedProcess:
 
 
 def find_orphan(host: str, port: int, shown: str) -> AdoptedProcess | None:
-    """Return a dashboard that a crashed station has left and that fits the next one.
+    """Return a dashboard that a crashed station has left and that fits this station.
 
-    One that listens at the wanted port and does not fit is ended.
+    A dashboard that listens at the wanted port but does not fit is ended.
 
     Args:
         host: Host on which the dashboard must listen.
-        port: Its port; 0: any.
-        shown: Robots and scene that it must draw.
+        port: Its port; 0 accepts any port.
+        shown: The text of `UiOptions.shown` that the dashboard must have.
 
     Raises:
         RuntimeDirectoryError: The runtime directory belongs to another user.
@@ -181,7 +185,7 @@ def find_orphan(host: str, port: int, shown: str) -> AdoptedProcess | None:
     try:
         process = AdoptedProcess(record.pid, record.port)
     except ProcessLookupError:
-        return None  # its time was up
+        return None  # it ended while it was claimed
     if record.shown == shown:
         return process
     os.kill(process.pid, signal.SIGTERM)
@@ -196,13 +200,13 @@ def find_orphan(host: str, port: int, shown: str) -> AdoptedProcess | None:
 class UiProcess:
     """Runs `station ui` in a session of its own, so that Ctrl-C does not reach it.
 
-    A dashboard that serves outlives a crash of this process for a while, and is adopted
-    by the station that is started next. Otherwise it ends by itself.
+    A serving dashboard outlives a crash of this process for a while, so that the next
+    station can adopt it. Otherwise it ends by itself.
 
     Args:
-        options: Options of the dashboard. The tokens go by the environment.
-        command: The command line; the options' own when None.
-        adopted: A dashboard that runs already; None starts one.
+        options: Options of the dashboard. Environment variables pass the tokens.
+        command: The command line; None for that of `options`.
+        adopted: A running dashboard to adopt; None starts a new one.
     """
 
     def __init__(
@@ -216,7 +220,7 @@ class UiProcess:
         self._process: _Process | None = adopted
 
     def start(self) -> None:
-        """Start the process, or tell a running one its new station; does not wait.
+        """Start the process, or tell a running one its new station, without waiting.
 
         Raises:
             RuntimeDirectoryError: The runtime directory cannot be used.
@@ -226,7 +230,7 @@ class UiProcess:
         self._record(self._process.pid).write()
 
     def start_again(self) -> None:
-        """Start the process anew, at the same port, after it has ended.
+        """Start the process again at the same port, after it has ended.
 
         Raises:
             RuntimeDirectoryError: The runtime directory cannot be used.
@@ -266,7 +270,7 @@ class UiProcess:
             )
 
     def answers(self) -> bool:
-        """Say whether the dashboard answers requests already."""
+        """Return whether the dashboard already answers requests."""
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(
             self._options.host, self._options.host
         )
@@ -280,18 +284,18 @@ class UiProcess:
             connection.close()
 
     def exit_code(self) -> int | None:
-        """Return the exit code; None while it runs or when it was never started.
+        """Return the exit code; None while it runs or before it was started.
 
         It is `UNKNOWN_CODE` for a dashboard that was adopted.
         """
         return None if self._process is None else self._process.poll()
 
     def terminate(self) -> None:
-        """Ask the dashboard to end; returns at once."""
+        """Ask the dashboard to end, without waiting."""
         self._signal(signal.SIGTERM)
 
     def kill(self) -> None:
-        """End the dashboard and its child processes; return at once."""
+        """Kill the dashboard and its child processes, without waiting."""
         self._signal(signal.SIGKILL)
 
     def finish(self, timeout: float) -> None:

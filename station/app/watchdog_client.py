@@ -1,4 +1,4 @@
-"""Ask a watchdog for a stop, with the standard library only: it must not fail."""
+"""Ask a watchdog for a stop, with the standard library only, so that it cannot fail."""
 
 import json
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ TIMEOUT = 2.0
 
 
 class WatchdogError(StationError, ConnectionError):
-    """The watchdog does not answer, or refuses."""
+    """The watchdog does not answer, or refuses the request."""
 
     code = "watchdog"
 
@@ -22,8 +22,8 @@ class WatchdogStop:
     """A stop that the watchdog has latched.
 
     Attributes:
-        carried_out: The control loop has carried the stop out already.
-        detail: Explanation of the watchdog.
+        carried_out: Whether the control loop has already carried out the stop.
+        detail: Explanation by the watchdog, for people.
     """
 
     carried_out: bool
@@ -31,12 +31,12 @@ class WatchdogStop:
 
 
 def stop_through_watchdog(url: str, token: str, reason: str) -> WatchdogStop:
-    """Latch a stop for the control loop and let real arms hold.
+    """Latch a stop for the control loop, and make real arms hold.
 
     Args:
-        url: The watchdog's listener.
-        token: A token of the station, whichever role it has.
-        reason: Why, for people.
+        url: URL of the watchdog.
+        token: A token of the station, with any role.
+        reason: Reason of the stop, for people.
 
     Raises:
         WatchdogError: The watchdog does not answer, or refuses the token.
@@ -51,7 +51,7 @@ def stop_through_watchdog(url: str, token: str, reason: str) -> WatchdogStop:
         )
         answer = connection.getresponse()
         told = json.loads(answer.read())
-    # ValueError: another program has the port and answers no JSON.
+    # A ValueError means that another program has the port and does not answer in JSON.
     except (OSError, HTTPException, ValueError) as error:
         raise WatchdogError(
             f"The watchdog at {url} does not answer: {error}.",

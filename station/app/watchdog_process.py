@@ -1,4 +1,4 @@
-"""The station's side of its watchdog: starts the process, feeds it, starts it again."""
+"""The watchdog's process, as the station starts it, feeds it and restarts it."""
 
 import faulthandler
 import fcntl
@@ -17,10 +17,10 @@ from station.app.watchdog.watch import WatchdogSettings
 from station.core.loop.heartbeat import PAGE_BYTES, Heartbeat
 
 STACK_SIGNAL = signal.SIGRTMIN + 3
-"""Upon this signal the interpreter's C code writes the stacks of all threads; it needs
-no interpreter lock for that, so it works while a controller holds the lock."""
+"""At this signal the interpreter's C code writes the stacks of all threads. This needs
+no interpreter lock, so it works while a controller holds the lock."""
 STARTING_TIME = 5.0
-"""How long the interpreter of the watchdog may take to start [s]."""
+"""Longest start of the watchdog's interpreter [s]."""
 _MAX_LINE = 4096
 
 
@@ -28,8 +28,8 @@ class WatchdogProcess:
     """Starts the watchdog in a session of its own, so that Ctrl-C does not reach it.
 
     The shared page, the listening socket and the file of the stacks belong to the
-    station, so that a watchdog that is started again finds them as they were. None of
-    them has a name in the file system: nothing stays behind, however the station ends.
+    station, so that a restarted watchdog finds them unchanged. None of them has a name
+    in the file system, so nothing remains however the station ends.
 
     Attributes:
         heartbeat: The page shared with the process.
@@ -37,18 +37,17 @@ class WatchdogProcess:
     """
 
     def __init__(self) -> None:
-        # Without a name in the file system: it goes with the last process that has it
-        # open.
+        # The page has no name in the file system, and vanishes with the last process
+        # that has it open.
         self._page = os.memfd_create("station-heartbeat")
         os.ftruncate(self._page, PAGE_BYTES)
         self.heartbeat = Heartbeat(mmap.mmap(self._page, PAGE_BYTES))
         self._stacks = os.memfd_create("station-stacks")
-        # The watchdog empties the file between two uses; writing goes to its end.
+        # The watchdog truncates the file between two uses, so writes must append.
         flags = fcntl.fcntl(self._stacks, fcntl.F_GETFL)
         fcntl.fcntl(self._stacks, fcntl.F_SETFL, flags | os.O_APPEND)
         faulthandler.register(STACK_SIGNAL, file=self._stacks, all_threads=True)
-        # Made here, so that the address stays the same when the watchdog is started
-        # again.
+        # Created here, so that a restarted watchdog has the same address.
         self._listener = socket.create_server(("127.0.0.1", 0), backlog=32)
         self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
         self._settings: WatchdogSettings | None = None
@@ -57,13 +56,13 @@ class WatchdogProcess:
 
     @property
     def pid(self) -> int | None:
-        """The watchdog's process; None before `start`."""
+        """Number of the watchdog's process; None before `start`."""
         return None if self._process is None else self._process.pid
 
     def start(self, settings: WatchdogSettings) -> None:
-        """Start the process; does not wait until it watches."""
+        """Start the process, without waiting until it watches."""
         self._settings = settings
-        # It looks for the first time when its interpreter has started.
+        # Allow for the start of its interpreter before the first look.
         self.heartbeat.watchdog_beats[0] = time.monotonic() + STARTING_TIME
         inherited = (self._page, self._listener.fileno(), self._stacks)
         self._process = subprocess.Popen(
@@ -71,19 +70,20 @@ class WatchdogProcess:
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             pass_fds=inherited,
-            # Ctrl-C in the terminal ends the station in order; the watchdog must
-            # outlive that.
+            # Ctrl-C in the terminal begins an orderly end of the station, which the
+            # watchdog must outlive.
             start_new_session=True,
         )
         pipe = self._process.stdin
         if pipe is None:
             return
-        # Nobody may wait for a watchdog that does not read: what does not fit is lost.
+        # The station must not wait for a watchdog that does not read; lines that do not
+        # fit are lost.
         os.set_blocking(pipe.fileno(), False)
         self._write(_line({"settings": settings._asdict()}) + self._last_line)
 
     def change(self, settings: WatchdogSettings) -> None:
-        """Replace the settings, for a watchdog that is started again, too."""
+        """Replace the settings, also for a restarted watchdog."""
         self._settings = settings
         self._write(_line({"settings": settings._asdict()}))
 
@@ -91,11 +91,11 @@ class WatchdogProcess:
         """Pass on the published state of the station, if it has changed.
 
         Args:
-            status: JSON-compatible; cut off where it gets longer than 4 kB.
+            status: JSON-compatible data; shortened if it is longer than 4 kB.
         """
         line = _line({"status": status})
         if len(line) > _MAX_LINE:
-            # A pipe takes at most this much in one piece.
+            # A pipe accepts at most this much in one piece.
             brief = {key: str(value)[:200] for key, value in status.items()}
             line = _line({"status": brief})
         if line != self._last_line:
@@ -103,19 +103,19 @@ class WatchdogProcess:
             self._write(line)
 
     def tell_token(self, token: Mapping[str, object]) -> None:
-        """Hand on a named token that the watchdog accepts, or one that has ended.
+        """Pass on a named token that the watchdog must accept, or one that has ended.
 
         Args:
             token: `digest`, its SHA-256 in hexadecimal; `role`, empty for a token that
-                has ended; `expires`, wall time when it ends [s since 1970], or None.
+                has ended; `expires`, wall time when it expires [s since 1970], or None.
         """
         self._write(_line({"token": token}))
 
     def start_again_if_ended(self) -> int | None:
-        """Start the process again when it has ended.
+        """Start the process again if it has ended.
 
         Returns:
-            The exit code of the process that has ended; None while it runs.
+            The exit code of the ended process; None while it runs.
         """
         if self._process is None or self._settings is None:
             return None
@@ -135,7 +135,7 @@ class WatchdogProcess:
         return now - last if last else 0.0
 
     def kill(self) -> None:
-        """Kill a watchdog that hangs, for `start_again_if_ended`."""
+        """Kill a watchdog that hangs, so that `start_again_if_ended` restarts it."""
         if self._process is not None:
             self._process.kill()
 
@@ -145,12 +145,13 @@ class WatchdogProcess:
         if self._process is not None:
             self._close_pipe()
             try:
-                # The closed pipe tells it to end.
+                # The closed pipe makes the watchdog end.
                 self._process.wait(timeout)
             except subprocess.TimeoutExpired:
                 self._process.kill()
                 self._process.wait()
-        # Not before the watchdog has ended: without a handler its signal would kill.
+        # Only after the watchdog has ended: without a handler its signal would kill the
+        # station.
         faulthandler.unregister(STACK_SIGNAL)
         for descriptor in (self._page, self._stacks):
             os.close(descriptor)
@@ -159,7 +160,8 @@ class WatchdogProcess:
         process = self._process
         if process is None or process.stdin is None:
             return
-        # A full pipe or a dead watchdog: `start_again_if_ended` sees to the latter.
+        # The pipe is full or the watchdog has ended, which `start_again_if_ended`
+        # handles.
         with suppress(BlockingIOError, BrokenPipeError):
             os.write(process.stdin.fileno(), line)
 

@@ -1,6 +1,6 @@
-"""The watchdog: a small process beside the station that sees whether its loop lives.
+"""The watchdog: a small process beside the station that watches its control loop.
 
-It shares no interpreter with the station, so a controller that never returns, or that
-holds the interpreter lock, cannot keep it from telling, from taking a stop, and from
-ending the station. Its modules import the standard library and the heartbeat only.
+It has an interpreter of its own. So a controller that never returns, or that holds the
+interpreter lock, cannot keep the watchdog from warning, from accepting a stop, and from
+ending the station. Its modules import only the standard library and the heartbeat.
 """

@@ -1,9 +1,9 @@
 """The watchdog's process: `python -m station.app.watchdog PAGE LISTENER STACKS`.
 
 The arguments are inherited file descriptors: the shared page, the listening socket, and
-the file that the station writes its stacks to. Standard input brings lines of JSON with
-settings, which come first, a status of the station, or a named token. The end of the
-input means that the station has ended.
+the file into which the station writes its stacks. Each line of the standard input is
+JSON with settings (in the first line), a status of the station, or a named token. The
+end of the input means that the station has ended.
 """
 
 import fcntl
@@ -23,7 +23,8 @@ from station.app.watchdog.watch import LOOK_PERIOD, Watch, WatchdogSettings
 from station.core.loop.heartbeat import PAGE_BYTES, Heartbeat
 
 PRIORITY = 51
-"""SCHED_FIFO priority asked for: one above the control thread's, which may hang."""
+"""Requested SCHED_FIFO priority: one above that of the control thread, which may hang.
+"""
 _STACK_BYTES = 65_536
 
 
@@ -32,7 +33,7 @@ def main(page: int, listener: int, stacks: int) -> int:
     for descriptor in (page, listener, stacks):
         fcntl.fcntl(
             descriptor, fcntl.F_SETFD, fcntl.FD_CLOEXEC
-        )  # not for hold commands
+        )  # hold commands must not inherit it
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
@@ -56,7 +57,8 @@ def main(page: int, listener: int, stacks: int) -> int:
     door = Door(socket.socket(fileno=listener), settings, watch)
     for line in lines:
         _take(watch, door, json.loads(line))
-    # Somebody may have forked the station and so keep its end of the pipe open.
+    # A process forked from the station may keep the station's end of the pipe open, so
+    # check the parent, too.
     while os.getppid() == settings.pid and not station.has_ended:
         descriptors = [station.descriptor, door.fileno()]
         ready, _, _ = select.select(descriptors, [], [], LOOK_PERIOD)
@@ -73,7 +75,7 @@ def main(page: int, listener: int, stacks: int) -> int:
 
 
 class _Sender:
-    """Sends the station signals; a station that has ended gets none."""
+    """Sends signals to the station, unless it has ended."""
 
     def __init__(self, pid: int) -> None:
         self._descriptor = os.pidfd_open(pid)
@@ -93,14 +95,14 @@ class _StationPipe:
         self._rest = b""
 
     def first_lines(self) -> list[bytes]:
-        """Wait for the first lines; none when the station ended before it sent any."""
+        """Wait for the first lines; return none if the station ends before."""
         lines: list[bytes] = []
         while not (lines or self.has_ended):
             lines = self.lines()
         return lines
 
     def lines(self) -> list[bytes]:
-        """Read at least a byte or the end; return the complete lines."""
+        """Read until a byte or the end comes; return the complete lines."""
         data = os.read(self.descriptor, 65_536)
         self.has_ended = not data
         *lines, self._rest = (self._rest + data).split(b"\n")
@@ -122,7 +124,7 @@ def _settings(values: dict[str, Any]) -> WatchdogSettings:
 
 
 def _tell(line: str) -> None:
-    # Nobody may read the station's stderr any more; that must not end the watchdog.
+    # The reader of the station's stderr may be gone, which must not end the watchdog.
     with suppress(OSError):
         os.write(2, f"watchdog: {line}\n".encode())
 

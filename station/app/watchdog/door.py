@@ -1,7 +1,7 @@
-"""The watchdog's own HTTP listener: whether the station is ready, the stop, incidents.
+"""The watchdog's HTTP server, for readiness, the stop and incidents.
 
-It is `http.server`, which is in the standard library. Each client has a thread, so that
-one that sends nothing keeps neither the watchdog nor another client waiting.
+It uses `http.server` of the standard library. Each client has a thread, so that a
+silent client delays neither the watchdog nor other clients.
 """
 
 import hashlib
@@ -18,30 +18,31 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from station.app.watchdog.watch import Watch, WatchdogSettings
 
 CONNECTIONS = 16
-"""Most connections at once; the oldest is closed for a new one, which may be a stop."""
+"""Most connections at a time; a new one, which may be a stop, closes the oldest."""
 _REQUEST_TIME = 1.0
 _MAX_BODY = 8192
 _CONFIRM_TIME = 0.05
-"""How long the answer to a stop waits for the loop to carry it out [s]."""
+"""Longest wait of the answer to a stop for the loop to carry it out [s]."""
 
 Answer = tuple[int, dict[str, object]]
-"""Status and body."""
+"""HTTP status and body of an answer."""
 
 
 class Door(ThreadingHTTPServer):
     """Serves `GET /ready`, `GET /incident` and `POST /stop` on a loopback socket.
 
-    `handle_request` takes a connection that waits, and returns at once.
+    `handle_request` accepts a waiting connection, and returns at once.
 
     Args:
-        listener: Listening, loopback.
-        settings: The tokens of the station that are accepted, besides named ones.
-        watch: Knows the state of the station, and holds the arms on a stop.
-        clock: Returns the monotonic time that `watch` looks at [s].
-        request_time: How long a client may send nothing [s], > 0.
+        listener: Listening socket at a loopback address.
+        settings: Settings with the station's tokens that are accepted, besides named
+            tokens.
+        watch: Knows the state of the station, and makes the arms hold on a stop.
+        clock: Returns the monotonic time for `watch` [s].
+        request_time: Longest silence of a client [s], > 0.
 
     Attributes:
-        lock: Lock of `watch` while clients are served.
+        lock: Lock to hold while using `watch`.
     """
 
     timeout = 0.0
@@ -58,7 +59,7 @@ class Door(ThreadingHTTPServer):
         super().__init__(listener.getsockname(), _Client, bind_and_activate=False)
         self.socket.close()
         self.socket = listener
-        # A client that gives up before it is accepted must not make this wait.
+        # Accepting must not wait for a client that has already given up.
         self.socket.settimeout(0.0)
         self.lock = threading.Lock()
         self.watch = watch
@@ -77,8 +78,9 @@ class Door(ThreadingHTTPServer):
 
         Args:
             digest: SHA-256 of the token, hexadecimal.
-            role: Role of a token; empty for a token that has ended.
-            expires: Wall time when it ends [s since 1970]; None when it does not.
+            role: Role of the token; empty for a token that has ended.
+            expires: Wall time when it expires [s since 1970]; None if it does not
+                expire.
         """
         if role:
             self._named[digest] = (role, expires)
@@ -86,22 +88,22 @@ class Door(ThreadingHTTPServer):
             self._named.pop(digest, None)
 
     def role(self, token: bytes) -> str | None:
-        """Return the role that a token gives; None for one that is not known."""
+        """Return the role of a token; None if the token is unknown."""
         found = None
         for known, role in self._roles.items():
-            # All are compared, each in constant time: the time tells nothing.
+            # Compare in constant time, so that the time tells nothing about a token.
             if compare_digest(known.encode(), token):
                 found = found or role
         if found is not None:
             return found
-        # Looking a hash of a secret up takes no time that tells anything of the secret.
+        # The time to look up the hash of a secret tells nothing about the secret.
         named = self._named.get(hashlib.sha256(token).hexdigest())
         if named is None or (named[1] is not None and time.time() >= named[1]):
             return None
         return named[0]
 
     def ready(self) -> Answer:
-        """Return whether the station is ready, or the reason why it is not."""
+        """Answer whether the station is ready, or the reason why it is not."""
         with self.lock:
             now = self.clock()
             trouble = self.watch.trouble(now)
@@ -110,7 +112,7 @@ class Door(ThreadingHTTPServer):
             return 200, {"ready": True, "last_wake_up_age": self.watch.age(now)}
 
     def incident(self) -> Answer:
-        """Return the last standstill of the loop."""
+        """Answer with the last standstill of the loop."""
         with self.lock:
             incident = self.watch.incident
             if incident is None:
@@ -119,7 +121,7 @@ class Door(ThreadingHTTPServer):
             return 200, dict(incident.facts)
 
     def stop(self, reason: str) -> Answer:
-        """Latch a stop; return whether the loop has carried it out in time."""
+        """Latch a stop; answer whether the loop has carried it out in time."""
         heartbeat = self.watch.heartbeat
         with self.lock:
             heartbeat.ask_stop(reason)
@@ -142,10 +144,11 @@ class Door(ThreadingHTTPServer):
         return 200, _stopped(detail, done=False)
 
     def enter(self, client: socket.socket) -> None:
-        """Note a client; the oldest goes when there are too many."""
+        """Note a client; close the oldest one if there are too many."""
         with self._open_lock:
             if len(self._open) >= CONNECTIONS:
-                # Its thread wakes up and closes it. The client may be gone already.
+                # Its thread wakes up and closes the socket. The client may have left
+                # already.
                 with suppress(OSError):
                     self._open.pop(0).shutdown(socket.SHUT_RDWR)
             self._open.append(client)
@@ -156,35 +159,35 @@ class Door(ThreadingHTTPServer):
             self._open.remove(client)
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Print the error of a thread, unless a client has gone."""
-        # A client that is gone is no error, and nobody may read stderr any more.
+        """Print the error of a thread, unless a client has left."""
+        # A client that has left is no error. The reader of stderr may also be gone.
         if not isinstance(sys.exception(), OSError):
             with suppress(OSError):
                 super().handle_error(request, client_address)  # type: ignore[arg-type] # passed on
 
 
 class _Client(BaseHTTPRequestHandler):
-    """One client, which has one request."""
+    """A client, which may send one request."""
 
     server: Door
     protocol_version = default_request_version = "HTTP/1.1"
-    wbufsize = -1  # head and body go in one packet
+    wbufsize = -1  # send head and body in one packet
     error_content_type = "application/json"
     error_message_format = '{"code": "bad_request", "detail": "Status %(code)d."}'
 
     def setup(self) -> None:
-        """Begin with the client, which has not long to send its request."""
+        """Note the client, and limit the time in which it must send its request."""
         super().setup()
         self.connection.settimeout(self.server.request_time)
         self.server.enter(self.connection)
 
     def finish(self) -> None:
-        """End with the client."""
+        """Close the connection, and forget the client."""
         self.server.leave(self.connection)
         super().finish()
 
     def do_GET(self) -> None:
-        """Answer a request."""
+        """Answer a GET or POST request."""
         path = self.path.partition("?")[0]
         role = self.server.role(self._token())
         if (self.command, path) == ("GET", "/ready"):
@@ -210,12 +213,12 @@ class _Client(BaseHTTPRequestHandler):
         return token.strip().encode("latin-1") if scheme.lower() == "bearer" else b""
 
     def _reason(self) -> str | None:
-        """Return the reason in the body of a stop; None when there is none."""
+        """Return the reason in the body of a stop; None without a reason."""
         try:
             length = min(int(self.headers.get("Content-Length", "0")), _MAX_BODY)
             fields = json.loads(self.rfile.read(max(length, 0)))
         except (ValueError, OSError):
-            return None  # a body that cannot be read is never in a stop's way
+            return None  # an unreadable body must not prevent a stop
         reason = fields.get("reason") if isinstance(fields, dict) else None
         return reason if isinstance(reason, str) and reason else None
 

@@ -1,4 +1,4 @@
-"""The watchdog's duties: notice a standstill, report, hold, end the station."""
+"""The watchdog's actions: notice a standstill, report, hold, end the station."""
 
 import json
 import os
@@ -10,27 +10,27 @@ from typing import NamedTuple
 from station.core.loop.heartbeat import Heartbeat, LoopLife, Phase
 
 NOTICE_AFTER = 0.08
-"""A wake-up of the loop older than this is a stall [s]; seen every `LOOK_PERIOD`, it is
-told within 0.1 s."""
+"""Age of the loop's last wake-up that counts as a stall [s]. With `LOOK_PERIOD` between
+looks, it is reported within 0.1 s."""
 LOOK_PERIOD = 0.01
-"""How often the watchdog looks [s]."""
+"""Time between two looks of the watchdog [s]."""
 
 
 class WatchdogSettings(NamedTuple):
-    """The watched process, and the reaction to a loop that stands still.
+    """The process to watch, and the reaction to a standstill of its loop.
 
     Attributes:
-        pid: The station's process.
-        operator_token: Token that may do everything here.
-        viewer_token: Token that may read and stop.
+        pid: Process number of the station.
+        operator_token: Token with all rights here.
+        viewer_token: Token with the rights to read and to stop.
         incident_directory: Folder of the incident files; made when needed.
         hold_commands: Command lines that make the drivers of real arms hold; each is
             started without a shell when the loop stalls, and must end within 1 s.
-        stack_signal: Signal upon which the station writes the stacks of its threads to
-            `stacks`, interpreter or not; 0: none.
+        stack_signal: Signal at which the station writes the stacks of its threads to a
+            file, even while a thread holds the interpreter lock; 0 for none.
         notice_after: Age of the last wake-up that counts as a stall [s], > 0.
-        end_after: Duration of a stall after which the station is ended [s]; None: the
-            watchdog never ends it.
+        end_after: Duration of a stall after which the watchdog ends the station [s];
+            None never ends it.
     """
 
     pid: int
@@ -44,29 +44,31 @@ class WatchdogSettings(NamedTuple):
 
 
 STACKS_AFTER = 1.0
-"""Duration of a stall after which the station's stacks are asked for [s].
+"""Duration of a stall after which the watchdog asks for the station's stacks [s].
 
-Walking the stacks of running threads has its risk, so a short stall is spared it."""
+Walking the stacks of running threads is risky, so it is not done for a short stall."""
 WRITING_TIME = 0.3
-"""How long the station has for writing its stacks [s]."""
+"""Time for the station to write its stacks [s]."""
 KILL_AFTER = 2.0
 """Time from SIGTERM to SIGKILL for a station that is being ended [s]."""
 ENDING_TIME = 5.0
-"""Longest orderly end of a station before it is killed [s]; 3 s are promised."""
+"""Longest orderly end of a station before it is killed [s]; a sound station needs less
+than 3 s."""
 SLOW_STEP = 3.0
-"""A step of the start-up that lasts longer is told, and again at twice the time [s]."""
+"""Duration of a step of the start after which it is reported, and again at each
+doubling [s]."""
 
 
 class Watch:
-    """Looks at the heartbeat and acts. One thread at a time; methods return at once.
+    """Checks the heartbeat and reacts. Use it in one thread at a time; it never waits.
 
     Args:
         heartbeat: The page shared with the station.
         settings: Process to watch, and the limits.
-        tell: Takes a line for the station's user.
+        tell: Called with a line for the station's user.
         send: Sends the station a signal.
-        forget_stacks: Removes the stacks that the station wrote on earlier signals.
-        read_stacks: Returns the stacks that the station wrote on `stack_signal`.
+        forget_stacks: Deletes the stacks that the station wrote at earlier signals.
+        read_stacks: Returns the stacks that the station wrote at `stack_signal`.
     """
 
     def __init__(
@@ -100,7 +102,7 @@ class Watch:
         return now - self.heartbeat.beats[0]
 
     def trouble(self, now: float) -> str | None:
-        """Return the reason why the station is not ready; None when it is."""
+        """Return the reason why the station is not ready; None if it is."""
         if self.heartbeat.phase is Phase.STARTING:
             step = self._step[0]
             return f"The station still starts{f': {step}' if step else ''}."
@@ -115,7 +117,7 @@ class Watch:
         return None
 
     def look(self, now: float) -> None:
-        """Look at the heartbeat once, and react if a limit is passed.
+        """Check the heartbeat once, and react if a limit is exceeded.
 
         Args:
             now: Monotonic time [s].
@@ -131,12 +133,12 @@ class Watch:
             self._look_at_loop(now)
 
     def take_settings(self, settings: WatchdogSettings) -> None:
-        """Replace the settings; the arms are known once the robot has been built."""
+        """Replace the settings; hold commands are known after the robot is built."""
         self.settings = settings
         self._holds.commands = settings.hold_commands
 
     def take_status(self, status: Mapping[str, object]) -> None:
-        """Keep the state that the station has published last."""
+        """Keep the last published state of the station."""
         self.status = status
 
     def hold(self, now: float) -> None:
@@ -179,8 +181,8 @@ class Watch:
         self._trouble_since = now
         self._are_stacks_asked = self._are_stacks_read = False
         if self.settings.hold_commands:
-            # The arm holds by command: a loop that comes back must not take it on from
-            # there as if nothing had happened.
+            # The arms hold by command of the watchdog, so a loop that recovers must
+            # stop instead of continuing the motion.
             self.heartbeat.ask_stop(f"{trouble} The watchdog told the arms to hold.")
         self._holds.outcomes = []
         self.hold(now)
@@ -253,18 +255,18 @@ class Watch:
 
 
 TIME_LIMIT = 1.0
-"""A hold command that runs longer is killed [s]."""
+"""Longest run of a hold command before it is killed [s]."""
 
 
 class HoldCommands:
-    """Starts the hold commands of all arms at once and collects how they ended.
+    """Starts the hold commands of all arms at the same time, and collects their ends.
 
     Args:
         commands: Command lines; they are started without a shell.
 
     Attributes:
-        commands: The same; they may be replaced.
-        outcomes: How each command that was started has ended, oldest first.
+        commands: As given; may be replaced.
+        outcomes: How each started command has ended, oldest first.
     """
 
     def __init__(self, commands: tuple[tuple[str, ...], ...]) -> None:
@@ -273,7 +275,7 @@ class HoldCommands:
         self.outcomes: list[dict[str, object]] = []
 
     def start(self, now: float) -> None:
-        """Start every command that does not run at the moment.
+        """Start every command that is not running.
 
         Args:
             now: Monotonic time [s].
@@ -290,7 +292,7 @@ class HoldCommands:
                 self._running[pid] = (command, now)
 
     def look(self, now: float) -> bool:
-        """Collect the commands that have ended; kill those beyond their time.
+        """Collect the commands that have ended; kill those that run too long.
 
         Returns:
             Whether `outcomes` has changed.
@@ -303,7 +305,7 @@ class HoldCommands:
                 code = os.waitstatus_to_exitcode(status)
                 self._note(command, f"ended with exit code {code}")
             elif now - began > TIME_LIMIT:
-                # It is collected as ended by SIGKILL the next time.
+                # The next look collects it as ended by SIGKILL.
                 os.kill(pid, signal.SIGKILL)
         return len(self.outcomes) != before
 
@@ -312,22 +314,22 @@ class HoldCommands:
 
 
 KEPT = 100
-"""Incident files that are kept; the oldest go first."""
+"""Number of incident files that are kept; the oldest are deleted first."""
 
 
 class Incident:
-    """One incident, and its file. The file is replaced as a whole.
+    """An incident, and its file, which is always replaced as a whole.
 
     Args:
-        directory: Receives the file.
-        pid: The station's process.
+        directory: Folder of the file.
+        pid: Process number of the station.
         facts: Facts at the beginning; more are added with `add`.
 
     Attributes:
         path: The file.
-        facts: Everything that is known.
-        failure: Why the file could not be written; None when it was. A full disk must
-            not end the watchdog.
+        facts: All facts so far.
+        failure: Why the file could not be written; None if it was written. It is no
+            exception, because a full disk must not end the watchdog.
     """
 
     def __init__(self, directory: str, pid: int, facts: dict[str, object]) -> None:
@@ -340,7 +342,7 @@ class Incident:
         self._write()
 
     def add(self, **facts: object) -> None:
-        """Add facts, or replace some, and write the file anew."""
+        """Add or replace facts, and write the file again."""
         self.facts.update(facts)
         self._write()
 
