@@ -1,7 +1,7 @@
-"""The client for plain Python: the one for asyncio, whose methods are waited for.
+"""The client for plain Python: it calls the asyncio client and waits for the end.
 
-Requests need no event loop. Over a connection that blocks, a coroutine of the client
-never suspends, and runs to its end when it is begun.
+Requests need no event loop. Over a blocking connection a coroutine of the client never
+suspends, and runs to its end in one step.
 """
 
 import ssl
@@ -53,10 +53,12 @@ def _run(coroutine: Coroutine[Any, Any, R]) -> R:
     """Run a coroutine that never suspends to its end.
 
     Raises:
-        RuntimeError: The thread runs an event loop, which would wait for itself.
+        RuntimeError: The thread runs an event loop, which would wait for itself for
+            ever.
     """
     try:
-        # Nothing in it waits for an event loop, so it runs to its end in one step.
+        # The coroutine never waits for an event loop, so it runs to its end in one
+        # step.
         coroutine.send(None)
     except StopIteration as end:
         result: R = end.value
@@ -68,7 +70,7 @@ def _run(coroutine: Coroutine[Any, Any, R]) -> R:
 def _made(
     method: Callable[Concatenate[Any, P], S], finish: Callable[[S], R]
 ) -> Callable[Concatenate[Any, P], R]:
-    """Return a method that converts the result of the source."""
+    """Return a method that calls that of the asyncio client and converts its result."""
 
     @wraps(method)
     def call(self: "_Client[Any]", /, *args: P.args, **kwargs: P.kwargs) -> R:
@@ -80,7 +82,7 @@ def _made(
 def _waited_for(
     method: Callable[Concatenate[Any, P], Coroutine[Any, Any, R]],
 ) -> Callable[Concatenate[Any, P], R]:
-    """Return a method that does the same as the source's, and waits for the end."""
+    """Return a method that runs that of the asyncio client to its end."""
     return _made(method, _run)
 
 
@@ -89,16 +91,16 @@ def _same(value: R) -> R:
 
 
 class _Inline(httpx.AsyncBaseTransport):
-    """Carries requests by a transport that blocks, without suspending anything."""
+    """An async transport over a blocking one, which never suspends."""
 
     def __init__(self, inner: httpx.BaseTransport) -> None:
         self._inner = inner
 
     @override
     async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
-        await request.aread()  # of a file that is uploaded, too
+        await request.aread()  # reads an uploaded file, too
         answer = self._inner.handle_request(request)
-        # A transport that blocks answers with a stream that blocks.
+        # A blocking transport answers with a blocking stream.
         stream = cast("httpx.SyncByteStream", answer.stream)
         return httpx.Response(
             answer.status_code,
@@ -113,7 +115,7 @@ class _Inline(httpx.AsyncBaseTransport):
 
 
 class _InlineStream(httpx.AsyncByteStream):
-    """The body of an answer, read without suspending anything."""
+    """The body of an answer, read without suspending."""
 
     def __init__(self, inner: httpx.SyncByteStream) -> None:
         self._inner = inner
@@ -129,7 +131,7 @@ class _InlineStream(httpx.AsyncByteStream):
 
 
 class _BlockingConnection(AsyncConnection):
-    """A connection whose coroutines block in place of suspending."""
+    """A connection whose coroutines block instead of suspending."""
 
     def __init__(
         self,
@@ -141,7 +143,7 @@ class _BlockingConnection(AsyncConnection):
     ) -> None:
         if transport is None:
             verify = True if tls is None else tls
-            # Without proxies of the environment: a stop must not depend on one.
+            # Ignore proxies of the environment: a stop must not depend on one.
             transport = _Inline(httpx.HTTPTransport(verify=verify, trust_env=False))
         super().__init__(url, token, timeout, transport, tls)
 
@@ -170,16 +172,16 @@ class _BlockingConnection(AsyncConnection):
 
 
 class _Source(AsyncStationClient):
-    """The client that a blocking one waits for."""
+    """The asyncio client behind a blocking one."""
 
     _connect = _BlockingConnection
 
 
 class _Client(Generic[S]):
-    """The part of a blocking client that its classes share.
+    """Common part of the blocking clients.
 
     Args:
-        source: The object of the client for asyncio whose methods are waited for.
+        source: Object of the asyncio client whose methods this client calls.
     """
 
     def __init__(self, source: S) -> None:
@@ -251,7 +253,7 @@ class GainSetsClient(_Client[AsyncGainSetsClient]):
 
 
 class FilesClient(_Client[FilesT]):
-    """The common part of recordings and incidents."""
+    """Common part of the clients of recordings and incidents."""
 
     list = _waited_for(AsyncFilesClient.list)
     get = _waited_for(AsyncFilesClient.get)
@@ -326,14 +328,14 @@ class WaypointPathsClient(_Client[AsyncWaypointPathsClient]):
 
 
 class AlarmsClient(_Client[AsyncAlarmsClient]):
-    """Alarms, each of which asks for a person: `client.alarms`."""
+    """Alarms, each of which needs a person: `client.alarms`."""
 
     list = _waited_for(AsyncAlarmsClient.list)
     acknowledge = _waited_for(AsyncAlarmsClient.acknowledge)
 
 
 class TokensClient(_Client[AsyncTokensClient]):
-    """Named tokens, made, listed and revoked by an operator: `client.tokens`."""
+    """Named tokens that an operator makes, lists and revokes: `client.tokens`."""
 
     list = _waited_for(AsyncTokensClient.list)
     create = _waited_for(AsyncTokensClient.create)
@@ -382,7 +384,7 @@ class GoalHandle(_Client[AsyncGoalHandle]):
 
 
 class ControlLease(_Client[AsyncControlLease]):
-    """Control of the station for the length of a `with` block."""
+    """Control of the station for the duration of a `with` block."""
 
     @property
     def lost(self) -> ApiError | None:
@@ -450,14 +452,16 @@ def _goal_handle(begun: Coroutine[Any, Any, AsyncGoalHandle]) -> GoalHandle:
 class StationClient(_Client[AsyncStationClient]):
     """Talks to a station.
 
-    Its methods are those of `AsyncStationClient`, which describes its parts and what
-    is raised; here they return when the answer is there. Any thread may call them.
+    Its methods are those of `AsyncStationClient`, which describes its parts and the
+    errors that they raise. Here they return when the answer has come. Any thread may
+    call them.
 
     Args:
-        url: The station, as for `AsyncStationClient`; that of this machine when None.
+        url: URL of the station, as for `AsyncStationClient`; None finds the one on this
+            machine.
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s].
-        transport: How requests travel; for tests.
+        transport: Transport of requests, for tests; None for httpx's own.
         ca: PEM file with the certificates to trust with an https `url`.
 
     Raises:
@@ -503,7 +507,7 @@ class StationClient(_Client[AsyncStationClient]):
 
     @property
     def url(self) -> str:
-        """The station."""
+        """URL of the station."""
         return self._source.url
 
     @property

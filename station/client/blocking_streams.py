@@ -1,4 +1,4 @@
-"""Streams for plain Python: those of asyncio, in an event loop in a thread."""
+"""Streams for plain Python, which run the asyncio streams in a thread's event loop."""
 
 import asyncio
 import os
@@ -20,7 +20,7 @@ from station.client.streams import (
 from station.wire import CommandCounts, StreamFrame
 
 MOST_PENDING = 256
-"""So many set-points wait for a link that is too slow; the newest win."""
+"""Most set-points that wait for a slow link; the oldest are dropped."""
 R = TypeVar("R")
 
 
@@ -31,13 +31,13 @@ class Portal:
         self.forget()
 
     def forget(self) -> None:
-        """Begin with another loop next time; for a fork, which has no such thread."""
+        """Use a new loop from now on, after a fork, whose child has no such thread."""
         self._lock = threading.Lock()
         self._users: set[object] = set()
         self._stop: Callable[[], None] = _do_nothing
 
     def start(self, user: object, coroutine: Coroutine[Any, Any, R]) -> "Future[R]":
-        """Begin to run a coroutine in the loop, which goes on until its user leaves."""
+        """Start a coroutine in the loop, which runs until its last user leaves."""
         with self._lock:
             if not self._users:
                 self._begin()
@@ -45,19 +45,19 @@ class Portal:
             return asyncio.run_coroutine_threadsafe(coroutine, self._loop)
 
     def run(self, user: object, coroutine: Coroutine[Any, Any, R]) -> R:
-        """Run a coroutine in the loop; it is cancelled when the wait is interrupted."""
+        """Run a coroutine in the loop; cancel it if the wait is interrupted."""
         return _outcome(self.start(user, coroutine))
 
     def serves(self, user: object) -> bool:
-        """Return whether a user has not left yet."""
+        """Return whether the loop has this user."""
         return user in self._users
 
     def call(self, act: Callable[[], None]) -> None:
-        """Do something in the loop, soon; a user is there."""
+        """Call a function in the loop soon; the loop must have a user."""
         self._loop.call_soon_threadsafe(act)
 
     def leave(self, user: object) -> None:
-        """End the loop with its last user."""
+        """Remove a user, and end the loop after the last one."""
         with self._lock:
             if user in self._users:
                 self._users.remove(user)
@@ -65,7 +65,7 @@ class Portal:
                     self._stop()
 
     def run_alone(self, coroutine: Coroutine[Any, Any, R]) -> R:
-        """Run a coroutine that leaves nothing in the loop."""
+        """Run a coroutine as the only work of its user."""
         user = object()
         try:
             return self.run(user, coroutine)
@@ -80,7 +80,8 @@ class Portal:
             begun.set_result((asyncio.get_running_loop(), end))
             await end.wait()
 
-        # It does not hold up the end of a program that leaves a stream open.
+        # A daemon thread does not delay the exit of a program that leaves a stream
+        # open.
         thread = threading.Thread(
             target=lambda: asyncio.run(live()), name="streams", daemon=True
         )
@@ -95,7 +96,7 @@ class Portal:
 
 
 def _do_nothing() -> None:
-    """Stop nothing: no loop runs."""
+    """Do nothing, because no loop runs."""
 
 
 def _outcome(future: "Future[R]") -> R:
@@ -103,19 +104,19 @@ def _outcome(future: "Future[R]") -> R:
     try:
         return future.result()
     except BaseException:
-        # Ctrl-C ends the wait alone; what was waited for must end, too.
+        # Ctrl-C ends only the wait; the coroutine must end, too.
         future.cancel()
         raise
 
 
 PORTAL = Portal()
 """The event loop of this process."""
-# A child process has no threads but the one that forked, and so no loop.
+# A child process has only the thread that forked, and so no loop.
 os.register_at_fork(after_in_child=PORTAL.forget)
 
 
 def _enter(stream: object, source: AsyncStream | AsyncCommandStream) -> None:
-    """Connect a stream, in the loop."""
+    """Connect a stream in the loop."""
     try:
         PORTAL.run(stream, source.__aenter__())
     except BaseException:
@@ -126,8 +127,9 @@ def _enter(stream: object, source: AsyncStream | AsyncCommandStream) -> None:
 def _leave(
     stream: object, source: AsyncStream | AsyncCommandStream, leaving: threading.RLock
 ) -> None:
-    """End the connection of a stream, and the loop with the last one."""
-    # A second thread waits: it would end the loop before the connection is closed.
+    """End the connection of a stream, and the loop after the last stream."""
+    # A second thread must wait: otherwise it would end the loop before the connection
+    # is closed.
     with leaving:
         if not PORTAL.serves(stream):
             return
@@ -140,10 +142,10 @@ def _leave(
 class Stream:
     """Frames of a topic; a slow reader misses frames.
 
-    `with` connects at once and raises when that fails; without it, the first frame
-    that is read connects. Read it in one thread; `close()` from any other ends the
-    iteration. The station's first frame is no item of the iteration, but
-    `progress.hello`; a new `boot_id` in a frame means that the station restarted.
+    `with` connects at once and raises an error when that fails; without it, reading the
+    first frame connects. Read a stream in one thread; `close()` in any thread ends the
+    iteration. The station's first frame is not an item of the iteration, but
+    `progress.hello`. A new `boot_id` in a frame means that the station has restarted.
 
     Raises:
         ApiError: While reading: the station refuses the stream, or the link broke
@@ -175,7 +177,7 @@ class Stream:
         """End the stream; an iteration under way ends."""
         self._is_closed = True
         if self._receiving is not None:
-            # A thread that waits for a frame wakes up.
+            # This wakes a thread that waits for a frame.
             self._receiving.cancel()
         _leave(self, self._source, self._leaving)
 
@@ -185,9 +187,9 @@ class Stream:
             while not self._is_closed:
                 yield self.receive()
         except StreamTimeoutError:
-            return  # it was closed, for there is no time limit
+            return  # the stream was closed: there is no time limit
         finally:
-            # At the end of the program there is no thread that could close anything.
+            # At the exit of the program the thread that would close the link is gone.
             if not sys.is_finalizing():
                 _leave(self, self._source, self._leaving)
 
@@ -214,7 +216,7 @@ class Stream:
     def wait_for(
         self, predicate: Callable[[StreamFrame], bool], timeout: float | None = None
     ) -> StreamFrame:
-        """Return the first frame that fulfils a condition.
+        """Return the first frame that meets a condition.
 
         Args:
             predicate: The condition, e.g. `lambda frame: frame.stamp > 5.0`.
@@ -225,7 +227,7 @@ class Stream:
             StreamTimeoutError: No such frame came in time, or the stream was closed.
             StationUnreachableError: The link broke and `reconnect` is off.
         """
-        # The condition is the user's own, and so is the thread in which it is asked.
+        # Call the condition, which is the user's code, in the user's thread.
         deadline = None if timeout is None else time.monotonic() + timeout
         while True:
             left = None if deadline is None else deadline - time.monotonic()
@@ -238,10 +240,11 @@ class Stream:
 
 
 class CommandStream:
-    """Sends set-points one after the other; the newest wins. Use it in a `with` block.
+    """Sends set-points in a `with` block; a newer one replaces those that wait.
 
-    When the program sends nothing for `timeout`, the last set-point expires and the
-    controller does what its `command_timeout` parameters say, as after a lost link.
+    When the program sends nothing for `timeout`, or the link is lost, the last
+    set-point expires, and the controller's `command_timeout` parameters decide what it
+    does.
     """
 
     def __init__(self, source: AsyncCommandStream) -> None:
@@ -254,7 +257,7 @@ class CommandStream:
 
     @property
     def counts(self) -> CommandCounts | None:
-        """Last report of the station on the set-points; None before the first."""
+        """Last report of the station on the set-points; None before any report."""
         return self._source.counts
 
     def __enter__(self) -> Self:
@@ -265,7 +268,7 @@ class CommandStream:
             StationUnreachableError: The station does not answer.
         """
         _enter(self, self._source)
-        # An event belongs to the loop in which it is waited for, and each has its own.
+        # An event belongs to one loop, and each connection may have another loop.
         self._pending, self._arrived = deque(maxlen=MOST_PENDING), asyncio.Event()
         self._sending = PORTAL.start(self, self._send_pending())
         return self
@@ -278,7 +281,7 @@ class CommandStream:
         sending, self._sending = self._sending, None
         if sending is not None:
             self._offer(None)
-            # The set-points sent before `close` still go out, if the link takes them.
+            # Set-points sent before `close` are still sent, if the link accepts them.
             wait([sending], timeout=CLOSE_TIMEOUT)
             sending.cancel()
         _leave(self, self._source, self._leaving)
@@ -290,11 +293,12 @@ class CommandStream:
         epoch: int | None = None,
         rates: Sequence[float] | None = None,
     ) -> None:
-        """Send a set-point; does not wait for the station.
+        """Send a set-point, without waiting for the station.
 
         Args:
             values: One number per element of the controller, in its order and units.
-            epoch: Refuse when a stop or reset came since that epoch.
+            epoch: Epoch of the set-point; the station refuses it after a later stop or
+                reset.
             rates: How fast the set-point changes [rad/s or m/s].
 
         Raises:
@@ -304,24 +308,25 @@ class CommandStream:
         """
         message = written(values, epoch, rates)
         self._source.link()
-        # Sending has failed: the error belongs to the caller of `send`.
+        # Sending has failed: raise the error to the caller of `send`.
         if self._sending is not None and self._sending.done():
             self._sending.result()
         self._offer(message)
 
     def _offer(self, message: str | None) -> None:
-        """Let the loop send a message, or with None come to an end.
+        """Let the loop send a message, or end the sending with None.
 
-        Neither a future nor a task is made of it, and a loop that is late sends all
-        that is there at once: at 1 kHz the program would feel the difference.
+        This makes no future or task per message, and a late loop sends all waiting
+        messages at once, because the cost would matter at 1 kHz.
         """
         self._pending.append(message)
-        # Otherwise the loop is awake already; waking it costs more than a set-point.
+        # With more messages the loop is already awake; waking it costs more than
+        # sending one.
         if len(self._pending) == 1:
             PORTAL.call(self._arrived.set)
 
     async def _send_pending(self) -> None:
-        """Send the offered messages in order; a slow link loses the oldest."""
+        """Send the offered messages in order; a slow link drops the oldest."""
         while True:
             await self._arrived.wait()
             self._arrived.clear()

@@ -1,4 +1,4 @@
-"""The connection of a client to its station: requests go out, wire models come back."""
+"""The connection of a client to its station, which returns answers as wire models."""
 
 import asyncio
 import json
@@ -27,9 +27,9 @@ from station.wire.base import reader_of
 from station.wire.protocol import CLOCK_HEADER, LEASE_HEADER, NOT_AFTER_HEADER, PREFIX
 
 _PIECE = 2**18
-"""Bytes of a file that are sent at a time."""
+"""Bytes of a file that are sent in one piece."""
 _ANSWERS = 20
-"""Answers that tell how far the station's clock is ahead."""
+"""Number of answers from which the offset of the station's clock is estimated."""
 Sleep: TypeAlias = Callable[[float], Awaitable[None]]
 ModelT = TypeVar("ModelT")
 ThingT = TypeVar("ThingT")
@@ -37,14 +37,15 @@ Query = Mapping[str, str | list[str]]
 
 
 class Promptness:
-    """Says by the station's own clock until when a change may begin. Any thread.
+    """Computes the latest time, by the station's clock, at which a change may begin.
 
-    The clocks of two machines may differ: what is added to is the station's time in its
-    answers, and the time that has passed here since. An answer that was read late tells
-    too early a time, so that the latest of what the last answers tell counts.
+    The clocks of two machines may differ, so it estimates the station's clock from the
+    times in its answers and the time that has passed here since. An answer that was
+    read late gives too early a time, so the latest of the last estimates counts. Any
+    thread may use it.
 
     Args:
-        within: How long after it was sent a change may begin [s], > 0.
+        within: Longest time from sending a change to its begin [s], > 0.
         now: Monotonic clock [s].
     """
 
@@ -56,17 +57,16 @@ class Promptness:
         self._ahead: tuple[float, ...] = ()
 
     def hear(self, headers: Mapping[str, str]) -> None:
-        """Note the station's time in the headers of an answer, if it is there."""
+        """Note the station's time in the headers of an answer, if they have it."""
         told = headers.get(CLOCK_HEADER)
         if told is not None:
             self._ahead = (*self._ahead[1 - _ANSWERS :], float(told) - self._now())
 
     def headers(self) -> dict[str, str]:
-        """Return the header of a change that is sent now; none before an answer."""
+        """Return the header of a change that is sent now; empty before any answer."""
         if not self._ahead:
             return {}
-        # The largest difference is that of the quickest answer, hence the best estimate
-        # of the clocks.
+        # The quickest answer gives the largest difference, which is the best estimate.
         not_after = self._now() + max(self._ahead) + self._within
         return {NOT_AFTER_HEADER: f"{not_after:.3f}"}
 
@@ -74,23 +74,24 @@ class Promptness:
 class AsyncConnection:
     """Sends requests and reads the answers.
 
-    How its user waits belongs to it, so that a client without asyncio can wait
-    otherwise: nothing else of the clients sleeps or begins a task.
+    Only the connection sleeps or starts tasks, so that a client without asyncio can
+    replace these methods.
 
     Args:
-        url: The station, without a slash at its end.
+        url: URL of the station, without a slash at its end.
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s].
-        transport: How requests travel; httpx's own when None.
-        tls: How the station's certificate is checked; None for plain HTTP.
+        transport: Transport of requests; None for httpx's own.
+        tls: TLS context that checks the station's certificate; None for plain HTTP.
 
     Attributes:
         url: The station.
         token: Operator or viewer token.
         timeout: Longest wait for an answer [s]; may be changed.
-        lease: The lease of control that requests act under; None without one.
-        tls: How the station's certificate is checked; None for plain HTTP.
-        promptness: Until when changes may begin; None for however late.
+        lease: The lease of control under which requests are sent; None without one.
+        tls: TLS context that checks the station's certificate; None for plain HTTP.
+        promptness: Computes the latest begin of changes; None lets them begin however
+            late.
     """
 
     def __init__(
@@ -112,7 +113,7 @@ class AsyncConnection:
             headers=bearer(token),
             timeout=timeout,
             transport=transport,
-            # Without proxies of the environment: they would see the token.
+            # Ignore proxies of the environment, which would see the token.
             trust_env=False,
             verify=True if tls is None else tls,
         )
@@ -128,14 +129,14 @@ class AsyncConnection:
     def repeat(
         self, act: Callable[[], Coroutine[Any, Any, bool]], period: float
     ) -> Callable[[], Awaitable[None]]:
-        """Repeat a function beside the program until it returns False.
+        """Repeat a function in the background until it returns False.
 
         Args:
-            act: Action to repeat, first after a period.
-            period: Time from its end to its next beginning [s], > 0.
+            act: Function to repeat, called first after a period.
+            period: Time from the end of a call to the next call [s], > 0.
 
         Returns:
-            A function that ends it; an act under way is cancelled, or waited for.
+            A function that ends the repetition, and cancels or awaits a running call.
         """
 
         async def run() -> None:
@@ -156,12 +157,12 @@ class AsyncConnection:
         """Send to another station from the next request on.
 
         Args:
-            url: The station, without a slash at its end.
+            url: URL of the station, without a slash at its end.
             token: Operator or viewer token.
         """
         self.url, self.token, self.lease = url, token, None
         self._http.base_url = httpx.URL(url)
-        # `bearer` is empty without a token, so the old one would stay.
+        # Without a token `bearer` is empty, and the old header would stay.
         self._http.headers.pop("Authorization", None)
         self._http.headers.update(bearer(token))
 
@@ -173,8 +174,8 @@ class AsyncConnection:
         Args:
             topic: Topic to stream.
             rate: Frames per second [Hz], or "full"; None means the station's default.
-            fields: Only these keys of `data`; all when empty.
-            reconnect: Connect again when the link breaks.
+            fields: Keys of `data` to send; all when empty.
+            reconnect: Whether to connect again when the link breaks.
         """
         return StreamOptions(
             self.url,
@@ -205,7 +206,7 @@ class AsyncConnection:
         )
 
     def _tls_of_streams(self) -> ssl.SSLContext | None:
-        # A WebSocket without TLS takes no context.
+        # A WebSocket without TLS must not get a context.
         return self.tls if self.url.startswith("https:") else None
 
     async def get(
@@ -244,8 +245,7 @@ class AsyncConnection:
             body: JSON, a model, of which only fields with a value are sent, or a file.
             headers: Extra headers.
             query: Query parameters; a list repeats its parameter.
-            patience: How much longer than usual the answer may take [s]; infinite for
-                as long as it takes.
+            patience: Extra time for the answer [s]; infinity waits for ever.
 
         Raises:
             ApiError: The station refuses.
@@ -281,14 +281,14 @@ class AsyncConnection:
 
         Args:
             path: Path below the prefix of the API.
-            target: The file to be.
+            target: The file to write, which must not exist.
             query: Query parameters; a list repeats its parameter.
 
         Raises:
             ApiError: The station refuses; no file is made.
-            StationUnreachableError: The station does not answer, or not to the end;
-                the received part is deleted.
-            FileExistsError: There is such a file.
+            StationUnreachableError: The station does not answer, or the answer ends
+                early; the received part is deleted.
+            FileExistsError: The file already exists.
         """
         try:
             async with self._http.stream(
@@ -302,7 +302,7 @@ class AsyncConnection:
                     async for part in response.aiter_bytes():
                         file.write(part)
         except httpx.TransportError as error:
-            # Half a file must not pass for a recording.
+            # An incomplete file must not be taken for a recording.
             target.unlink(missing_ok=True)
             raise StationUnreachableError(self.url, error) from error
 
@@ -317,7 +317,7 @@ class AsyncConnection:
         headers: Mapping[str, str] | None = None,
         patience: float = 0.0,
     ) -> ModelT:
-        # The answer to a long operation may take its time; connecting may not.
+        # The answer to a long operation may take long, but connecting may not.
         read = self.timeout + patience if math.isfinite(patience) else None
         try:
             response = await self._http.request(
@@ -355,7 +355,7 @@ class ClientPart:
         self._get, self._send = connection.get, connection.send
 
     def _of(self, name: str, rest: str = "") -> str:
-        """Return the path of a thing that has a name, or of a part of it."""
+        """Return the path of a named thing, or of a part of the thing."""
         path = f"{self._path}/{segment(name)}"
         return f"{path}/{rest}" if rest else path
 
@@ -366,11 +366,11 @@ class NamedThings(ClientPart, Generic[ThingT]):
     _kind: type[ThingT]
 
     async def get(self, name: str) -> ThingT:
-        """Return the item of that name."""
+        """Return the thing of that name."""
         return await self._get(self._of(name), self._kind)
 
     async def delete(self, name: str) -> ThingT:
-        """Delete the item of that name; return its last content."""
+        """Delete the thing of that name, and return it."""
         return await self._send("DELETE", self._of(name), self._kind)
 
 
@@ -382,12 +382,12 @@ async def _pieces(path: Path) -> AsyncIterator[bytes]:
 
 def _written(body: BaseModel | Mapping[str, JsonValue]) -> bytes:
     if isinstance(body, BaseModel):
-        # Defaults are the station's: an older client must not fix them.
+        # Leave defaults to the station: an older client must not fix them.
         return body.model_dump_json(exclude_unset=True).encode()
     return json.dumps(dict(body), allow_nan=False).encode()
 
 
 def segment(name: str) -> str:
     """Return `name` as one segment of a path."""
-    # Names have slashes, which are no separators here.
+    # Slashes in a name are not separators of the path.
     return quote(name, safe="")

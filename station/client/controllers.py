@@ -17,9 +17,9 @@ from station.wire.protocol import KEY_HEADER
 
 Strictness = SwitchStrictness
 REHEARSAL_BOUND = 60.0
-"""How much longer than usual the answer to a rehearsal may take [s]."""
+"""Extra time for the answer to a rehearsal [s]."""
 POLL = 0.05
-"""How often a goal is looked at [s]."""
+"""Time between two requests for the state of a goal [s]."""
 _FINAL = {"succeeded", "aborted", "preempted"}
 
 
@@ -27,10 +27,10 @@ class AsyncGoalHandle:
     """A goal of a controller: `station.start_goal(…)`, `station.start_move(…)`.
 
     Args:
-        client: The client that gave the goal.
-        controller: The controller that has it.
-        latest: The answer to it.
-        sleep: Lets some time pass [s].
+        client: The client that has sent the goal.
+        controller: The controller that has the goal.
+        latest: The answer to the goal's request.
+        sleep: Function that waits for a time [s].
 
     Attributes:
         controller: The controller that has the goal.
@@ -64,10 +64,11 @@ class AsyncGoalHandle:
         await self._client.cancel_goal(self.controller, self.latest.id)
 
     async def ended(self, timeout: float | None = None) -> wire.Goal:
-        """Wait until the goal has ended, however, and return it.
+        """Wait until the goal has ended, in whatever way, and return it.
 
         Args:
-            timeout: Longest wait [s]; None waits for ever. The goal goes on after it.
+            timeout: Longest wait [s]; None waits for ever. The goal goes on after the
+                wait.
 
         Raises:
             MotionError: The goal did not end in time.
@@ -87,7 +88,8 @@ class AsyncGoalHandle:
         """Wait until the goal has succeeded and return it.
 
         Args:
-            timeout: Longest wait [s]; None waits for ever. The goal goes on after it.
+            timeout: Longest wait [s]; None waits for ever. The goal goes on after the
+                wait.
 
         Raises:
             MotionError: The goal was aborted or preempted, or did not end in time.
@@ -103,7 +105,7 @@ class AsyncGoalHandle:
 
 
 class AsyncControllersClient(ClientPart):
-    """The controllers of a station; every station client is one."""
+    """The requests about controllers, which every station client has."""
 
     _path = "/controllers"
 
@@ -116,7 +118,7 @@ class AsyncControllersClient(ClientPart):
         return await self._get(self._of(name), wire.ControllerState)
 
     async def chains(self) -> wire.ControllerChains:
-        """Return the loaded controllers with who commands whose references."""
+        """Return the loaded controllers, with the references that each commands."""
         return await self._get("/controllers/chains", wire.ControllerChains)
 
     async def load_controller(
@@ -133,15 +135,16 @@ class AsyncControllersClient(ClientPart):
 
         Args:
             name: Its name.
-            type: Its plugin type; None when the station's configuration has it.
-            params: Its parameters; None when the station's configuration has them.
+            type: Its plugin type; None takes that of the station's configuration.
+            params: Its parameters; None takes those of the station's configuration.
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
-            unknown_params: Whether parameters that its type does not know are refused,
-                as when None, or listed in its `notes`, as is right for files of ROS.
+            unknown_params: Treatment of parameters that its type does not know:
+                `refuse`, the default; or `tell`, which lists them in its `notes`, for
+                files of ROS.
             idempotency_key: Random name of the request, 1 to 200 visible ASCII
-                characters: sent again with the same key within 10 minutes, e.g. after a
-                lost connection, it is carried out once.
+                characters. A request that is repeated with the same key within 10
+                minutes, e.g. after a lost connection, is carried out once.
         """
         given = {
             "name": name,
@@ -191,9 +194,10 @@ class AsyncControllersClient(ClientPart):
         Args:
             start: Names to start.
             stop: Names to stop.
-            strictness: `strict` for all or nothing, `best_effort` for the possible
-                part; `auto` also starts and stops what chains need, and `force_auto`
-                stops controllers that hold what a start needs.
+            strictness: `strict` for all or nothing; `best_effort` for the possible
+                part; `auto` like `strict`, but also starts and stops the other
+                controllers of a chain; `force_auto` like `auto`, but also stops
+                controllers that claim a resource of a starting one.
             start_asap: Start each as soon as its joints are ready.
             timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
                 takes, up to `bound`.
@@ -232,7 +236,8 @@ class AsyncControllersClient(ClientPart):
         Args:
             name: The controller.
             values: New values by name, in the units of the schema.
-            etag: Refuse when the gains are no longer those of that ETag.
+            etag: ETag of gains that were read; the station refuses the change if they
+                have changed since.
         """
         path = self._of(name, "gains")
         request = wire.GainsPatch(values=dict(values))
@@ -261,11 +266,11 @@ class AsyncControllersClient(ClientPart):
             values: One number per element, in its order and units; None leaves an
                 element at its last command.
             epoch: Refuse when a stop or reset came since that epoch.
-            timeout: How long it is valid [s], 0 for ever; None for the controller's
-                own setting.
+            timeout: How long it is valid [s], 0 for ever; None for the controller's own
+                timeout.
             rates: How fast the set-point changes [rad/s or m/s], for controllers that
-                feed this forward.
-            certificate: That of a rehearsal of this command; None without one.
+                feed it forward.
+            certificate: Certificate of a rehearsal of this command; None without one.
         """
         request = wire.CommandRequest(
             command=list(values),
@@ -277,7 +282,7 @@ class AsyncControllersClient(ClientPart):
         return await self._send("PUT", path, wire.CommandAccepted, request)
 
     async def controller_state(self, name: str) -> wire.ControllerSample:
-        """Return the sample of a controller of the last cycle."""
+        """Return the values of a controller in the last cycle."""
         return await self._get(self._of(name, "state"), wire.ControllerSample)
 
     async def bench(
@@ -292,8 +297,9 @@ class AsyncControllersClient(ClientPart):
     ) -> BenchResponse:
         """Excite one joint through a running controller, and return its response.
 
-        The answer comes when the joint is back where it began. What is too large, too
-        fast or too near a limit is refused before anything moves.
+        The answer comes when the joint is back at its initial position. The station
+        refuses a motion that is too large, too fast or too near a limit before anything
+        moves.
 
         Args:
             name: A running controller that takes set-points of joints.
@@ -302,10 +308,11 @@ class AsyncControllersClient(ClientPart):
             duration: How long the response is measured [s], above 0, at most 10.
             settling_band: Half-width of the band of the settling time, as a share of
                 the step, above 0 and below 1.
-            relay_gain: Proportional gain of the joint during a relay, > 0, with
-                integral and derivative gain 0; None leaves the gains in force.
-            run: Name under which the station keeps the response; it makes one when
-                None.
+            relay_gain: Proportional gain of the joint during a relay test, > 0; its
+                integral and derivative gain are 0 meanwhile. None leaves the gains in
+                force.
+            run: Name under which the station keeps the response; None lets the station
+                choose.
         """
         request = BenchRequest(
             excitation=excitation,
@@ -324,13 +331,13 @@ class AsyncControllersClient(ClientPart):
         epoch: int | None = None,
         certificate: str | None = None,
     ) -> wire.Goal:
-        """Give a running controller a goal; it replaces the one before.
+        """Give a running controller a goal, which replaces the goal before.
 
         Args:
             name: The controller.
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
-            certificate: That of a rehearsal of this command; None without one.
+            certificate: Certificate of a rehearsal of this command; None without one.
         """
         path = _certified(self._of(name, "goals"), certificate)
         request = wire.GoalRequest(goal=dict(goal), epoch=epoch)
@@ -341,7 +348,7 @@ class AsyncControllersClient(ClientPart):
         return (await self._get(self._of(name, "goals"), wire.Goals)).goals
 
     async def goal(self, name: str, goal_id: str) -> wire.Goal:
-        """Return a goal: its progress, or how and why it ended."""
+        """Return a goal, with its progress, or how and why it ended."""
         return await self._get(self._of(name, f"goals/{segment(goal_id)}"), wire.Goal)
 
     async def cancel_goal(self, name: str, goal_id: str) -> wire.Goal:
@@ -363,7 +370,7 @@ class AsyncControllersClient(ClientPart):
             trajectory: A JointTrajectory message, times in seconds; without points the
                 joints stop and hold.
             epoch: Refuse when a stop or reset came since that epoch.
-            certificate: That of a rehearsal of this command; None without one.
+            certificate: Certificate of a rehearsal of this command; None without one.
         """
         request = wire.TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
         path = _certified(self._of(name, "trajectory"), certificate)
@@ -376,7 +383,7 @@ class AsyncControllersClient(ClientPart):
 
         Args:
             name: The controller.
-            time: Station time [s]; now when None.
+            time: Station time [s]; None for the present time.
         """
         query = None if time is None else {"time": repr(time)}
         return await self._get(self._of(name, "query_state"), wire.DesiredState, query)
@@ -388,13 +395,13 @@ class AsyncControllersClient(ClientPart):
         epoch: int | None = None,
         certificate: str | None = None,
     ) -> AsyncGoalHandle:
-        """Give a controller a goal, as `submit_goal`, to wait for or to cancel.
+        """Give a controller a goal, and return a handle to wait for it or cancel it.
 
         Args:
             name: The controller.
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
-            certificate: That of a rehearsal of this command; None without one.
+            certificate: Certificate of a rehearsal of this command; None without one.
         """
         answer = await self.submit_goal(name, goal, epoch, certificate)
         return AsyncGoalHandle(self, name, answer, self._connection.sleep)
@@ -410,9 +417,9 @@ class AsyncControllersClient(ClientPart):
 
         Args:
             name: The controller.
-            motions: Messages shaped like control_msgs/MotionPrimitive.
+            motions: Messages in the form of control_msgs/MotionPrimitive.
             epoch: Refuse when a stop or reset came since that epoch.
-            certificate: That of a rehearsal of this goal; None without one.
+            certificate: Certificate of a rehearsal of this goal; None without one.
         """
         goal: dict[str, JsonValue] = {"motions": [dict(one) for one in motions]}
         return await self.start_goal(name, {"trajectory": goal}, epoch, certificate)
@@ -432,8 +439,8 @@ class AsyncControllersClient(ClientPart):
                 `at`, its time [s since the beginning].
             seconds: How long the rehearsal lasts [s]; None ends it when all goals have
                 ended and the joints stand still, after 30 s at the latest.
-            certificate: Ask for a certificate, with which the commands are carried out
-                as they were rehearsed.
+            certificate: Whether to ask for a certificate, with which the commands are
+                carried out as rehearsed.
         """
         request: dict[str, JsonValue] = {
             "steps": [dict(step) for step in steps],
@@ -452,14 +459,14 @@ class AsyncControllersClient(ClientPart):
         timeout: float = 2.0,
         seed: int = 0,
     ) -> wire.Plan:
-        """Return a goal that leads to a target and touches nothing; nothing moves.
+        """Return a plan without collisions to a target; nothing moves.
 
         Args:
             controller: A running trajectory controller.
-            target: Target positions [rad or m] by joint, others stay; a `Pose` of
-                a Franka's end effector; or the name of a pose that the robot has.
+            target: Target positions [rad or m] by joint, where other joints stay; a
+                `Pose` of a Franka's end effector; or the name of a pose of the robot.
             timeout: How long to search [s], above 0 and at most 30.
-            seed: Of the random numbers; another seed finds another path.
+            seed: Seed of the random numbers; another seed finds another path.
         """
         request: dict[str, JsonValue] = {
             "controller": controller,
@@ -477,10 +484,10 @@ class AsyncControllersClient(ClientPart):
         return (await self._get(path, wire.ControllerTypes)).controller_types
 
     async def reload_controller_types(self, *, force_kill: bool = False) -> list[str]:
-        """Let the next load of each type read its Python module anew.
+        """Let the next load of each type import its Python module again.
 
         Args:
-            force_kill: Stop and unload all controllers first.
+            force_kill: Whether to stop and unload all controllers first.
 
         Returns:
             Names of the controllers that were unloaded.
@@ -494,7 +501,7 @@ class AsyncControllersClient(ClientPart):
 
 
 def _target(target: Mapping[str, float] | Pose | str) -> dict[str, JsonValue]:
-    """Return the target of a plan as its request has it."""
+    """Return the target of a plan in the form of its request."""
     if isinstance(target, str):
         return {"name": target}
     if isinstance(target, Pose):
@@ -511,5 +518,5 @@ def _certified(path: str, certificate: str | None) -> str:
 
 
 def _keyed(key: str | None) -> dict[str, str]:
-    """Return the header with the key of a request; none when there is no key."""
+    """Return the header with the key of a request; empty without a key."""
     return {} if key is None else {KEY_HEADER: key}

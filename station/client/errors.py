@@ -24,7 +24,7 @@ class ApiError(Exception):
         code: Stable machine-readable name of the kind of failure.
         detail: The thing, its value, and the allowed values.
         remedy: Advice to the user.
-        errors: Every single thing that is wrong with the request.
+        errors: Every single fault of the request.
         details: The facts of `detail` as data.
     """
 
@@ -55,7 +55,7 @@ class ApiError(Exception):
     def from_body(cls, status: int, body: bytes) -> "ApiError":
         """Build the error from an answer's status and body.
 
-        An answer that is no problem document (a proxy's, say) is quoted as it is.
+        An answer that is not a problem document, e.g. from a proxy, is quoted as it is.
         """
         try:
             problem = Problem.model_validate_json(body)
@@ -96,14 +96,14 @@ class StationUnreachableError(ApiError):
 
 
 class MotionError(ApiError):
-    """A motion or a goal ended without reaching its aim, or not in time."""
+    """A motion or a goal did not reach its aim, or not in time."""
 
     def __init__(self, detail: str, remedy: str = "") -> None:
         super().__init__(detail, status=0, code="motion_failed", remedy=remedy)
 
 
 class StreamTimeoutError(ApiError, TimeoutError):
-    """No frame that was waited for came in time."""
+    """The expected frame did not come in time."""
 
     def __init__(self, topic: str, timeout: float | None) -> None:
         within = "before it was closed" if timeout is None else f"within {timeout:g} s"

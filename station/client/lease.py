@@ -1,4 +1,4 @@
-"""Control of the station: for a block with heartbeats, or call by call."""
+"""Control of the station: for a `with` block with heartbeats, or call by call."""
 
 from typing import TYPE_CHECKING, Self
 
@@ -11,75 +11,77 @@ if TYPE_CHECKING:
 
 _LOST = frozenset({"control_held", "control_not_held"})
 BEATS = 3.0
-"""So many heartbeats are sent while one would do."""
+"""Heartbeats per `ttl`, where one would be enough."""
 
 
 class AsyncLeaseClient(ClientPart):
     """Control of the station, taken and given back call by call: `client.lease`.
 
-    `AsyncStationClient.control` does this for the length of a `with` block, with
-    heartbeats; here the caller sends them.
+    Here the caller sends the heartbeats; `AsyncStationClient.control` sends them in the
+    background, for the duration of a `with` block.
     """
 
     _path = "/control"
 
     def act_under(self, lease: str | None) -> None:
-        """Let the requests from now on act under a lease of control.
+        """Send requests under a lease of control from now on.
 
         Args:
-            lease: The `lease` in the answer to taking control; None for none.
+            lease: The `lease` in the answer of `take`; None for no lease.
         """
         self._connection.lease = lease
 
     async def take(
         self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
     ) -> wire.ControlState:
-        """Take control, for clients that then `act_under` the `lease` of the answer.
+        """Take control; call `act_under` with the `lease` of the answer.
 
         Args:
-            owner: Name that others see; that of the token when None.
+            owner: Name that others see; None for the name of the token.
             ttl: How long control lasts without `renew` [s], 0.5 to 3600.
-            force: Take control from its holder.
+            force: Whether to take control from its present holder.
         """
         request = wire.ControlRequest(owner=owner, ttl=ttl, force=force)
         return await self._send("POST", self._path, wire.ControlState, request)
 
     async def renew(self, *, hand_over_to: str | None = None) -> wire.ControlState:
-        """Keep control, which this client, or its named token, holds.
+        """Renew control, which this client or its named token must hold.
 
         Args:
-            hand_over_to: Owner or token that may take control without force; as before
-                when None.
+            hand_over_to: Owner or token that may take control without force; None keeps
+                the offer.
         """
         request = wire.ControlPatch(hand_over_to=hand_over_to)
         return await self._send("PATCH", self._path, wire.ControlState, request)
 
     async def release(self) -> wire.ControlState:
-        """Give control back, which this client, or its named token, holds."""
+        """Give control back, which this client or its named token must hold."""
         return await self._send("DELETE", self._path, wire.ControlState)
 
     async def state(self) -> wire.ControlState:
         """Return the present holder of control."""
-        # Unlike `get`, this names the lease: the station says whose it is.
+        # Unlike `get`, this sends the lease, so that the station can tell whether it is
+        # ours.
         return await self._send("GET", self._path, wire.ControlState)
 
 
 class AsyncControlLease:
-    """Control of the station for the length of a `with` block.
+    """Control of the station for the duration of a `with` block.
 
-    While it lasts, changes by other operators are refused. Heartbeats are sent in the
-    background; when a client takes control by force, or no heartbeat came through for
-    `ttl`, the requests of this client are refused with the new owner's name.
+    While the block lasts, the station refuses changes by other operators. The client
+    sends heartbeats in the background. After another client has taken control by force,
+    or no heartbeat has arrived for `ttl`, the station refuses this client's requests
+    with the new owner's name.
 
     Args:
         connection: The client's connection.
-        owner: Name that others see; that of the token when None.
-        ttl: How long the lease lasts when this program falls silent [s], 0.5 to 3600.
-        force: Take control from its holder.
+        owner: Name that others see; None for the name of the token.
+        ttl: How long the lease lasts without a heartbeat [s], 0.5 to 3600.
+        force: Whether to take control from its present holder.
 
     Attributes:
-        lost: Why control was lost: an error with the new owner's name; None if it is
-            not. A loss is noticed at the next heartbeat, within a third of `ttl`.
+        lost: Error with the new owner's name after a loss of control; None before. The
+            next heartbeat notices a loss, within a third of `ttl`.
     """
 
     def __init__(
@@ -124,7 +126,7 @@ class AsyncControlLease:
         try:
             await self.renew()
         except StationUnreachableError:
-            return True  # the link may come back before the lease is over
+            return True  # the link may recover before the lease ends
         except ApiError as error:
             self.lost = error
             return False
@@ -140,6 +142,6 @@ class AsyncControlLease:
         """Let another client take control without force.
 
         Args:
-            to: The owner that they take it as, or the name of their token.
+            to: Name of the next owner, or of the next owner's token.
         """
         return await self._control.renew(hand_over_to=to)

@@ -1,4 +1,4 @@
-"""Motions in one call: joints, named poses and poses of the end effector."""
+"""Motions in one call, of joints, to named poses and to poses of the end effector."""
 
 import math
 import time
@@ -20,13 +20,15 @@ from station.client.poses import (
 from station.wire import ControllerSample, ControllerState
 
 POLL = 0.05
-"""Period at which a moving end effector is observed and commanded on [s]."""
+"""Period at which a moving end effector is observed and commanded [s]."""
 HEARTBEAT = 1.0
-"""How long the end effector goes on when this program ends [s]."""
+"""Timeout of a set-point: how long the end effector goes on after this program ends
+[s]."""
 BLOCKED = 1.0
-"""How long an obstacle may keep the end effector before the motion is given up [s]."""
+"""Longest wait of the end effector at an obstacle before the motion is given up [s]."""
 NEAR = 1e-3
-"""Largest distance of an end effector that has arrived [m], and of its quaternion."""
+"""Largest distance of an end effector from its target that counts as arrived [m]; also
+for its quaternion."""
 _TRAJECTORY = "/JointTrajectoryController"
 _CARTESIAN = "/CartesianStreamingController"
 
@@ -45,14 +47,14 @@ async def start_move(
         client: The station.
         target: Name of a pose, one position per joint, or positions by joint; with
             `plan` also a `Pose` of the end effector.
-        duration: How long the motion takes [s]; a calm one when None.
-        controller: A trajectory controller; found when empty.
-        plan: Go by a path that touches nothing.
+        duration: Duration of the motion [s]; None for a slow motion.
+        controller: A trajectory controller; empty finds one.
+        plan: Whether to plan a path without collisions.
 
     Raises:
         ApiError: The station refuses.
         MotionError: No such controller is loaded, or a joint is unknown.
-        UnknownPoseError: There is no such pose.
+        UnknownPoseError: The pose is unknown.
         ValueError: A `Pose` was given without `plan`.
     """
     if isinstance(target, Pose) and not plan:
@@ -61,7 +63,7 @@ async def start_move(
         check_name(target)
     if not controller:
         controller = await running_controller(client, _TRAJECTORY)
-    # Other names are those of the robot's own poses, which the station knows.
+    # Only the station knows the names of other poses, which the robot defines.
     if isinstance(target, Pose) or (isinstance(target, str) and target not in POSES):
         return await _start_planned(client, controller, target)
     here = await client.query_state(controller)
@@ -92,18 +94,18 @@ async def move_to(
     *,
     plan: bool = False,
 ) -> None:
-    """Move the arm and wait until it is there.
+    """Move the arm and wait until it has arrived.
 
     Args:
         client: The client.
         target: Name of a pose, positions of joints, or a `Pose` of the end effector.
-        duration: How long a motion of joints takes [s]; a calm one when None.
+        duration: Duration of a motion of joints [s]; None for a slow motion.
         timeout: Longest wait [s]; None waits for ever.
-        sleep: Lets some time pass [s].
-        plan: Go by a path of the joints that touches nothing.
+        sleep: Function that waits for a time [s].
+        plan: Whether to plan a path of the joints without collisions.
 
     Raises:
-        MotionError: The arm did not arrive; with the reason.
+        MotionError: The arm did not arrive; the message has the reason.
         ValueError: A motion to a `Pose` was given a duration.
     """
     if plan or not isinstance(target, Pose):
@@ -121,13 +123,13 @@ async def move_to(
 async def move_to_pose(
     client: AsyncControllersClient, pose: Pose, timeout: float | None, sleep: Sleep
 ) -> None:
-    """Move the end effector to a pose and wait until it is there.
+    """Move the end effector to a pose and wait until it has arrived.
 
     Args:
         client: The station.
         pose: The pose.
         timeout: Longest motion [s]; None waits for ever.
-        sleep: Lets some time pass [s].
+        sleep: Function that waits for a time [s].
 
     Raises:
         ApiError: The station refuses.
@@ -153,9 +155,9 @@ async def move_to_pose(
 
 
 async def running_controller(client: AsyncControllersClient, kind: str) -> str:
-    """Return a controller of a kind that runs; start one when none does.
+    """Return a running controller of a kind; start one if none runs.
 
-    Controllers that command the same joints are stopped.
+    A start stops controllers that command the same joints.
 
     Args:
         client: The station.
@@ -172,7 +174,7 @@ async def running_controller(client: AsyncControllersClient, kind: str) -> str:
             f"No {kind.lstrip('/')} is loaded, and no other controller can do this.",
             "Load one: `station load_controller NAME FILE`.",
         )
-    # By positions the arm itself keeps to the way, whatever it carries.
+    # Prefer position control: the arm itself keeps to the path, whatever it carries.
     found.sort(key=lambda c: (c.state != "running", not c.type.startswith("position_")))
     chosen = found[0]
     running = {c.name: _claims(c) for c in listed if c.state == "running"}
@@ -200,7 +202,7 @@ async def _first_sample(
 
 
 def _is_near(sample: ControllerSample, target: Sequence[float]) -> bool:
-    """Return whether position and orientation are there; q and -q are the same."""
+    """Return whether position and orientation have arrived; q and -q are equal."""
     actual = [math.nan if value is None else value for value in sample.actual]
     same = math.dist(actual[3:], target[3:])
     opposite = math.dist(actual[3:], [-value for value in target[3:]])
@@ -212,8 +214,8 @@ def in_the_way(
 ) -> list[str]:
     """Return the running controllers that command the same joints.
 
-    A Franka accepts torques beside a motion, so that a switch does not refuse both; but
-    the torques then decide where the joints go. Its end effector is the resource
+    A Franka accepts torques together with a motion, so a switch does not refuse this;
+    but then the torques determine where the joints go. The end effector is the resource
     `<arm>_robot`, which moves all joints `<arm>_joint…`.
 
     Args:

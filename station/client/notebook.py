@@ -1,4 +1,4 @@
-"""Summary of a station that a notebook shows of a client."""
+"""The summary of a station that a notebook shows for a client."""
 
 import ssl
 from html import escape
@@ -27,10 +27,10 @@ def describe(
     """Return HTML of the station, its running controllers and its joints.
 
     Args:
-        url: The station.
+        url: URL of the station.
         token: Operator or viewer token.
-        transport: How requests travel; httpx's own when None.
-        tls: How the station's certificate is checked; None for plain HTTP.
+        transport: Transport of requests; None for httpx's own.
+        tls: TLS context that checks the station's certificate; None for plain HTTP.
     """
     title = f"<b>Station</b> <a href='{escape(url)}/docs'>{escape(url)}</a>"
     try:

@@ -29,14 +29,14 @@ POSES: Mapping[str, Mapping[str, float]] = {
         "joint7": 0.785398,
     },
 }
-"""Joint positions [rad] of Franka arms by the end of the joints' names.
+"""Joint positions [rad] of Franka arms, by the ending of the joint's name.
 
-`ready` is where a simulated arm starts and where franka_ros' examples begin.
+A simulated arm and the examples of franka_ros begin at `ready`.
 """
 
 
 Target: TypeAlias = str | Sequence[float] | Mapping[str, float]
-"""Where joints are to go: a named pose, one position per joint, or some by joint."""
+"""Target of joints: a named pose, one position per joint, or positions by joint."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +53,14 @@ class Pose:
 
 
 class UnknownPoseError(ApiError, ValueError):
-    """There is no pose of that name, or not of these joints."""
+    """There is no pose of that name, or it has other joints."""
 
     def __init__(self, detail: str, remedy: str) -> None:
         super().__init__(detail, status=0, code="unknown_pose", remedy=remedy)
 
 
 def check_name(pose: str) -> None:
-    """Refuse the name of a pose that does not exist.
+    """Refuse an unknown name of a pose.
 
     Raises:
         UnknownPoseError: There is no such pose.
@@ -80,7 +80,7 @@ def positions_of(pose: str, joints: Sequence[str]) -> list[float]:
         joints: The joints.
 
     Raises:
-        UnknownPoseError: The pose is one of other joints.
+        UnknownPoseError: The pose has other joints.
     """
     known = POSES[pose]
     ends = [re.sub(r"^.*_(?=joint\d+$)", "", name) for name in joints]
@@ -94,9 +94,9 @@ def positions_of(pose: str, joints: Sequence[str]) -> list[float]:
 
 
 CALM_SPEED = 0.5
-"""Mean speed of the joint that has the longest way, without a duration [rad/s]."""
+"""Mean speed of the joint that moves farthest, if no duration is given [rad/s]."""
 SHORTEST = 1.0
-"""Shortest time that is chosen without a duration [s]."""
+"""Shortest duration of a motion, if none is given [s]."""
 
 
 def joint_positions(
@@ -110,7 +110,7 @@ def joint_positions(
         here: Present set-points, shape (n,); joints without a target keep theirs.
 
     Raises:
-        UnknownPoseError: There is no such pose of these joints.
+        UnknownPoseError: There is no pose of that name for these joints.
         MotionError: The number of positions or the name of a joint is wrong.
     """
     if isinstance(target, str):
@@ -145,7 +145,7 @@ def trajectory_goal(
         names: The joints.
         here: Present set-points [rad or m], shape (n,).
         values: Target positions [rad or m], shape (n,).
-        duration: How long it takes [s]; a calm time when None.
+        duration: Duration of the motion [s]; None for a slow motion.
     """
     ways = [abs(v - (h or 0.0)) for v, h in zip(values, here, strict=True)]
     calm = max(SHORTEST, max(ways, default=0.0) / CALM_SPEED)

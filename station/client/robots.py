@@ -15,7 +15,7 @@ Restart: TypeAlias = Literal["none", "previous"]
 
 
 class _Answer(RootModel[JsonValue]):
-    """The answer of a service, of any type."""
+    """The answer of a service, which may have any type."""
 
 
 class AsyncRobotClient(ClientPart):
@@ -66,13 +66,13 @@ class AsyncRobotClient(ClientPart):
         )
 
     async def services(self) -> list[wire.ServiceInfo]:
-        """Return the robot's services; `call` calls each of them."""
+        """Return the robot's services, each of which `call` can call."""
         return (await self._get(f"{self._path}/services", wire.Services)).services
 
     async def call(self, name: str, /, **arguments: JsonValue) -> JsonValue:
         """Call a service of the robot and return its answer.
 
-        The robot declares its services: this client needs no method for them.
+        The robot declares its services, so this client needs no methods for them.
 
         Args:
             name: The service.
@@ -174,15 +174,15 @@ class AsyncRobotClient(ClientPart):
 
 
 POLL = 0.05
-"""How often a gripper that moves is looked at [s]."""
+"""Time between two requests for the state of a moving gripper [s]."""
 
 
 class AsyncGripperClient(ClientPart):
     """The gripper of an arm: `client.robot(arm_id).gripper`.
 
-    Homing, move and grasp begin and return at once; `state` has their progress.
-    `open` and `close` wait until the fingers are there.
-    Every method raises the errors of the station client's own methods.
+    Homing, move and grasp begin and return at once; `state` has their progress. `open`
+    and `close` wait until the fingers have arrived. Every method raises the errors of
+    the station client's own methods.
 
     Args:
         connection: The connection to the station.
@@ -195,7 +195,7 @@ class AsyncGripperClient(ClientPart):
         self.arm_id = arm_id
 
     async def state(self) -> wire.Gripper:
-        """Return the state, with the active command and the last that ended."""
+        """Return the state, with the active command and the last ended one."""
         return await self._get(self._path, wire.Gripper)
 
     async def open(
@@ -204,12 +204,12 @@ class AsyncGripperClient(ClientPart):
         """Open, or close without force, to a width and wait until it is reached.
 
         Args:
-            width: Distance of the fingers [m]; the largest one when None.
+            width: Distance of the fingers [m]; None for the largest one.
             speed: Rate of the width, at most 0.4 [m/s].
             timeout: Longest wait [s].
 
         Raises:
-            MotionError: The width was not reached; with the reason.
+            MotionError: The width was not reached; the message has the reason.
         """
         if width is None:
             width = (await self.state()).max_width
@@ -219,7 +219,7 @@ class AsyncGripperClient(ClientPart):
     async def close(
         self, force: float = 20.0, *, speed: float = 0.1, timeout: float = 10.0
     ) -> wire.Gripper:
-        """Close until the fingers meet something, or each other, and press.
+        """Close until the fingers touch an object or each other, and press.
 
         Args:
             force: Force of each finger, 0.1 to 140 [N].
@@ -227,12 +227,12 @@ class AsyncGripperClient(ClientPart):
             timeout: Longest wait [s].
 
         Returns:
-            The state; its `width` is that of the object, 0 without one.
+            The state; its `width` is that of the object, or 0 without an object.
 
         Raises:
-            MotionError: The fingers did not close; with the reason.
+            MotionError: The fingers did not close; the message has the reason.
         """
-        # Closed fingers are a hair beyond zero or not, hence the inner tolerance.
+        # The inner tolerance accepts closed fingers whose width is slightly below zero.
         whatever = wire.GraspEpsilon(inner=0.005, outer=(await self.state()).max_width)
         request = wire.GripperGraspRequest(
             width=0.0, force=force, speed=speed, epsilon=whatever
@@ -240,7 +240,7 @@ class AsyncGripperClient(ClientPart):
         return await self._finish(await self.grasp(request), timeout)
 
     async def homing(self) -> wire.Gripper:
-        """Begin to close and to open the gripper all the way."""
+        """Begin to close and to open the gripper completely."""
         return await self._send("POST", f"{self._path}/homing", wire.Gripper)
 
     async def move(self, request: wire.GripperMoveRequest) -> wire.Gripper:
@@ -252,11 +252,11 @@ class AsyncGripperClient(ClientPart):
         return await self._send("POST", f"{self._path}/grasp", wire.Gripper, request)
 
     async def stop(self) -> wire.Gripper:
-        """Hold the fingers still without force: a grasped object can fall."""
+        """Hold the fingers still without force; a grasped object can fall."""
         return await self._send("POST", f"{self._path}/stop", wire.Gripper)
 
     async def _finish(self, begun: wire.Gripper, timeout: float) -> wire.Gripper:
-        """Wait until the command that has just begun has ended well.
+        """Wait until the begun command has succeeded.
 
         Raises:
             MotionError: The gripper's command did not succeed.
@@ -285,7 +285,7 @@ class AsyncSimulationClient(ClientPart):
     _path = "/simulation"
 
     async def state(self) -> wire.Simulation:
-        """Return whether simulated time passes, and how fast."""
+        """Return the state of simulated time: paused or not, and its speed."""
         return await self._get(self._path, wire.Simulation)
 
     async def bases(self) -> list[wire.MovingBase]:
@@ -305,7 +305,7 @@ class AsyncSimulationClient(ClientPart):
         return await self._change(wire.SimulationPatch(paused=False))
 
     async def set_real_time_factor(self, factor: float) -> wire.Simulation:
-        """Change the pace.
+        """Change the speed of simulated time.
 
         Args:
             factor: Station time over wall time, more than 0, at most 100.
@@ -334,8 +334,8 @@ class AsyncSimulationClient(ClientPart):
         """Put the world back to its start; earlier set-points and goals are void.
 
         Args:
-            joint_positions: Joint name to position [rad or m]; the other joints go
-                to the keyframe, or back to where they began.
+            joint_positions: Joint name to position [rad or m]; the other joints go to
+                the keyframe, or to their initial positions.
             keyframe: Name of a pose to begin at; `get` lists the names.
         """
         request = wire.ResetRequest(joint_positions=dict(joint_positions or {}))

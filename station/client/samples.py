@@ -1,4 +1,4 @@
-"""Samples of a stream as NumPy arrays, and as a table where pandas is installed."""
+"""Samples of a stream as NumPy arrays, or as a table if pandas is installed."""
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
@@ -26,15 +26,16 @@ class Samples(Mapping[str, "Array"]):
 
     Attributes:
         topic: Topic that was streamed.
-        names: Owners of the arrays' columns, usually joints.
-        lost: How many cycles were lost on the way.
+        names: Names of the arrays' columns, usually of joints.
+        lost: Number of cycles that were lost in transmission.
 
     Raises:
         ModuleNotFoundError: NumPy is not installed: `pip install numpy`.
     """
 
     def __init__(self, topic: str) -> None:
-        # Before anything is recorded that could not be read: the client runs without.
+        # Fail before collecting samples that could not be read: the client runs without
+        # NumPy.
         self._numpy = _load_numpy()
         self.topic = topic
         self.names: tuple[str, ...] = ()
@@ -78,7 +79,7 @@ class Samples(Mapping[str, "Array"]):
             seconds: Station time [s].
         """
         first = self._stamps[0] if self._stamps else 0.0
-        # Half a nanosecond: stamps are sums of periods.
+        # Half a nanosecond of tolerance, because stamps are sums of periods.
         count = sum(stamp - first <= seconds + 5e-10 for stamp in self._stamps)
         del self._stamps[count:], self._samples[count:]
 
@@ -114,7 +115,7 @@ class Samples(Mapping[str, "Array"]):
     def __getitem__(self, key: str) -> "Array":
         """Return one quantity, shape (n, k), or (n,) if it is one number.
 
-        NaN stands where a sample has no number.
+        NaN stands for a missing number.
         """
         width = self._widths[key]
         absent = None if width is None else [None] * width

@@ -40,27 +40,28 @@ from station.wire.hardware import ComponentStateName
 class AsyncStationClient(AsyncControllersClient):
     """Talks to a station.
 
-    `StationClient` blocks until the answer is there; `AsyncStationClient` has the same
-    methods to be awaited.
+    The methods of `StationClient` block until the answer has come; those of
+    `AsyncStationClient` are awaited.
 
-    Every method raises `ApiError` when the station refuses, and its child
-    `StationUnreachableError` when it does not answer. Arguments that cannot be sent
-    at all (NaN, a string for a number) raise pydantic's `ValidationError`, a
+    Every method raises `ApiError` when the station refuses, and its subclass
+    `StationUnreachableError` when the station does not answer. Arguments that cannot be
+    sent at all (NaN, a string for a number) raise pydantic's `ValidationError`, a
     `ValueError`, before anything is sent.
 
     Proxies and other settings of the environment are not used, because a station is
     near and its token must not travel through a proxy.
 
     Args:
-        url: The station, e.g. `http://127.0.0.1:8000`. When None it is `STATION_URL`,
-            or else the only station of this user that runs on this machine.
-        token: Operator or viewer token. When None it is `STATION_TOKEN`, or else that
-            of a station on this machine; without one only `health` and `ready` work.
+        url: URL of the station, e.g. `http://127.0.0.1:8000`. None takes `STATION_URL`,
+            or else the only running station of this user on this machine.
+        token: Operator or viewer token. None takes `STATION_TOKEN`, or else the token
+            of a station on this machine; without a token only `health` and `ready`
+            work.
         timeout: Longest wait for an answer [s].
-        transport: How requests travel; for tests.
-        ca: PEM file with the certificates to trust with an https `url`. When None it is
+        transport: Transport of requests, for tests; None for httpx's own.
+        ca: PEM file with the certificates to trust with an https `url`. None takes
             `STATION_CA`, or else the certificate of the station on this machine, or
-            else the system's.
+            else the system's certificates.
 
     Raises:
         NoStationError: No `url`, and no station or several on this machine.
@@ -77,7 +78,7 @@ class AsyncStationClient(AsyncControllersClient):
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
         agents: Requests of agents, and a person's answers.
-        alarms: Alarms, and who has acknowledged them.
+        alarms: Alarms, and their acknowledgements.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
         incidents: Cycles kept around stops, reflexes and faults.
@@ -141,11 +142,12 @@ class AsyncStationClient(AsyncControllersClient):
         self._connection.timeout = timeout
 
     def begin_within(self, promptness: Promptness | None) -> None:
-        """Let the station refuse changes that it would begin too late.
+        """Make the station refuse changes that would begin too late.
 
         Args:
-            promptness: Until when, from the next request on; may be shared by several
-                clients of one station. None lets a change begin however late it comes.
+            promptness: Computes the latest begin, from the next request on; several
+                clients of one station may share it. None lets a change begin however
+                late it comes.
         """
         self._connection.promptness = promptness
 
@@ -157,8 +159,7 @@ class AsyncStationClient(AsyncControllersClient):
     def talk_to(self, url: str, token: str | None) -> None:
         """Talk to another station from the next request on.
 
-        A stream that was opened before goes on with the station it was opened at. The
-        certificates that are trusted stay the same.
+        An open stream stays with its station. The trusted certificates stay the same.
 
         Args:
             url: The station.
@@ -171,11 +172,11 @@ class AsyncStationClient(AsyncControllersClient):
         await self._connection.close()
 
     async def health(self) -> wire.Health:
-        """Return the boot_id of the process, which lives."""
+        """Return the boot_id of the process, which shows that it runs."""
         return await self._get("/health", wire.Health)
 
     async def ready(self) -> wire.Ready:
-        """Wait until the loop runs with fresh cycles, or raise the reason why not."""
+        """Return when the loop runs with fresh cycles; otherwise raise the reason."""
         return await self._get("/ready", wire.Ready)
 
     async def session(self) -> wire.Session:
@@ -204,8 +205,8 @@ class AsyncStationClient(AsyncControllersClient):
         Args:
             name: The component.
             state: `unconfigured`, `inactive`, `active` or `finalized`.
-            stop_controllers: Whether the controllers that command it are stopped first;
-                else a component in use stays active.
+            stop_controllers: Whether to stop the controllers that command it first;
+                otherwise the station refuses while a controller commands it.
         """
         return await self._connection.send(
             "PUT",
@@ -235,18 +236,18 @@ class AsyncStationClient(AsyncControllersClient):
         controller: str = "",
         plan: bool = False,
     ) -> AsyncGoalHandle:
-        """Begin to move joints, to wait for the end or to cancel.
+        """Begin to move joints, and return a handle to wait for the end or to cancel.
 
-        A trajectory controller does it. One is started if none runs, and controllers
-        that hold the joints are stopped in the same cycle.
+        A trajectory controller moves the joints. If none runs, one is started, and
+        controllers that claim the joints are stopped in the same cycle.
 
         Args:
             target: Name of a pose (`ready`, `stretched`), one position per joint of the
                 controller, or positions by joint [rad or m]; other joints stay. With
-                `plan` also a `Pose`, or another name of a pose that the robot has.
-            duration: How long the motion takes [s]; a calm one when None.
-            controller: The trajectory controller; found when empty.
-            plan: Go by a path that touches nothing, at its own pace.
+                `plan` also a `Pose`, or the name of a pose of the robot.
+            duration: Duration of the motion [s]; None for a slow motion.
+            controller: The trajectory controller; empty finds one.
+            plan: Whether to plan a path without collisions; it has its own duration.
         """
         return await start_move(
             self, target, duration=duration, controller=controller, plan=plan
@@ -260,17 +261,18 @@ class AsyncStationClient(AsyncControllersClient):
         timeout: float | None = None,
         plan: bool = False,
     ) -> None:
-        """Move the arm and wait until it is there.
+        """Move the arm and wait until it has arrived.
 
         Args:
             target: As for `start_move`; or a `Pose` of a Franka's end effector, which
                 its Cartesian streaming controller moves along a straight line.
-            duration: How long a motion of joints takes [s]; a calm one when None.
+            duration: Duration of a motion of joints [s]; None for a slow motion.
             timeout: Longest wait [s]; None waits for ever.
-            plan: Go by a path of the joints that touches nothing, as `start_move`.
+            plan: Whether to plan a path of the joints without collisions, as in
+                `start_move`.
 
         Raises:
-            MotionError: The arm did not arrive; with the reason.
+            MotionError: The arm did not arrive; the message has the reason.
             ValueError: A motion to a `Pose` was given a duration.
         """
         sleep = self._connection.sleep
@@ -282,19 +284,19 @@ class AsyncStationClient(AsyncControllersClient):
         """Collect the samples of a topic for some seconds, as NumPy arrays.
 
         Args:
-            seconds: How much station time, > 0 [s].
+            seconds: Station time to collect [s], > 0.
             topic: As for `stream`.
             rate: Samples per second [Hz], or "full" for every cycle of `joint_states`
                 and `controller_state/<name>`.
 
         Raises:
-            StreamTimeoutError: Nothing comes, e.g. because the simulation is paused.
+            StreamTimeoutError: No sample comes, e.g. because the simulation is paused.
         """
         stream = self.stream(topic, rate=rate, reconnect=False)
         return await stream.collect(seconds, self.timeout)
 
     async def joint_states(self) -> wire.JointStates:
-        """Return the joints of the last cycle."""
+        """Return the joint states of the last cycle."""
         return await self._get("/joint_states", wire.JointStates)
 
     async def parameter(self, path: str = "") -> JsonValue:
@@ -306,7 +308,7 @@ class AsyncStationClient(AsyncControllersClient):
         return (await self._get(_parameter(path), wire.Parameter)).value
 
     async def set_parameter(self, path: str, value: JsonValue) -> None:
-        """Set a parameter; controllers that are loaded afterwards read it.
+        """Set a parameter, which controllers that are loaded afterwards read.
 
         Args:
             path: Names separated by `/`.
@@ -324,7 +326,7 @@ class AsyncStationClient(AsyncControllersClient):
         return (await self._get("/robots", wire.Arms)).robots
 
     async def recover_all(self, restart: Restart = "none") -> wire.Recoveries:
-        """Clear the errors of all arms; with `previous` start controllers again."""
+        """Clear the errors of all arms; with `previous` restart stopped controllers."""
         path, request = "/robots/error_recovery", wire.RecoveryRequest(restart=restart)
         return await self._send("POST", path, wire.Recoveries, request, patience=5.0)
 
@@ -337,7 +339,7 @@ class AsyncStationClient(AsyncControllersClient):
         return (await self._get("/scene", wire.Scene)).objects
 
     async def clearances(self) -> list[wire.Clearance]:
-        """Return the nearest pair of each arm that keeps clear of something."""
+        """Return the nearest pair of each arm that keeps clear of objects."""
         return (await self._get("/scene", wire.Scene)).clearances
 
     async def put_object(self, name: str, /, **values: JsonValue) -> wire.SceneObject:
@@ -364,19 +366,20 @@ class AsyncStationClient(AsyncControllersClient):
 
         Args:
             name: The object.
-            arm: The arm; may be empty where there is only one.
-            load: Set the load of the arm, too, which must not move.
+            arm: The arm; may be empty if there is only one.
+            load: Whether to set the load of the arm, too, which must not move.
         """
         request = wire.AttachRequest(arm=arm, load=load)
         path = f"/scene/{segment(name)}/attach"
         return await self._connection.send("POST", path, wire.SceneObject, request)
 
     async def detach_object(self, name: str, *, load: bool = True) -> wire.SceneObject:
-        """Let an object that an arm carries stay where it is.
+        """Let an arm put a carried object down where it is.
 
         Args:
             name: The object.
-            load: Set the load of the arm to the rest; it must not move.
+            load: Whether to set the load of the arm to the objects that it still
+                carries; the arm must not move.
         """
         request = wire.DetachRequest(load=load)
         path = f"/scene/{segment(name)}/detach"
@@ -398,7 +401,7 @@ class AsyncStationClient(AsyncControllersClient):
         """Stop the robot; it stays stopped until released.
 
         Args:
-            reason: For the record.
+            reason: Reason, which the station records.
         """
         request = wire.StopRequest(reason=reason)
         return await self._send("POST", "/stop", wire.StopState, request)
@@ -415,15 +418,15 @@ class AsyncStationClient(AsyncControllersClient):
     def control(
         self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
     ) -> AsyncControlLease:
-        """Return control of the station for a `with` block (`async with`).
+        """Return the control of the station, to hold in a `with` block (`async with`).
 
-        While it lasts, the changes of other operators are refused; stopping is always
-        possible.
+        While the block lasts, the station refuses changes by other operators; every
+        client can always stop the robot.
 
         Args:
-            owner: Name that others see; that of the token when None.
-            ttl: How long control lasts when this program falls silent [s], 0.5 to 3600.
-            force: Take control from its holder.
+            owner: Name that others see; None for the name of the token.
+            ttl: How long control lasts without a heartbeat [s], 0.5 to 3600.
+            force: Whether to take control from its present holder.
         """
         return AsyncControlLease(self._connection, owner, ttl, force=force)
 
@@ -441,7 +444,8 @@ class AsyncStationClient(AsyncControllersClient):
         each frame is an event.
 
         Args:
-            since: Number of the last event that is known; the newest events when None.
+            since: Number of the last event that the caller knows; None returns the
+                newest events.
             kinds: Only events of these kinds; all when empty.
             severity: Only events of at least this severity.
             limit: Most events, 1 to 1000.
@@ -466,16 +470,16 @@ class AsyncStationClient(AsyncControllersClient):
         fields: Sequence[str] = (),
         reconnect: bool = True,
     ) -> AsyncStream:
-        """Return a stream of a topic: iterate over it, or wait for a frame.
+        """Return a stream of a topic, to iterate over or to wait for a frame.
 
-        `with` (`async with`) connects at once, within `timeout`, or raises.
+        `with` (`async with`) connects at once, within `timeout`, or raises an error.
 
         Args:
             topic: `joint_states`, `controllers`, `loop`, `events`,
                 `controller_state/<name>`, `robot_state/<arm_id>`.
             rate: Frames per second [Hz], or "full" for every cycle, in batches.
-            fields: Only these keys of `data`; all when empty.
-            reconnect: Connect again when the link breaks, for ever.
+            fields: Keys of `data` to send; all when empty.
+            reconnect: Whether to connect again, for ever, when the link breaks.
         """
         options = self._connection.stream_options(
             topic, rate, fields, reconnect=reconnect

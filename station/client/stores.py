@@ -1,4 +1,4 @@
-"""The clients of a station's stores, on its disk or in its memory."""
+"""The clients of a station's stores, which are on its disk or in its memory."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
@@ -30,25 +30,24 @@ from station.wire.lessons import (
 
 _PLAYBACK = "/playback"
 _PERIOD = 0.5
-"""Time between two looks at an experiment that runs [s]."""
+"""Time between two requests for the state of an experiment [s]."""
 _CHECKING = 60.0
-"""How much longer than usual it may take to start an experiment, or to look at an
-uploaded file [s]."""
+"""Extra time to start an experiment, or to check an uploaded file [s]."""
 
 
 class AsyncFilesClient(ClientPart):
-    """Common part of recordings and incidents."""
+    """Common part of the clients of recordings and incidents."""
 
     async def list(self) -> list[wire.Recording]:
-        """Return all, the oldest first."""
+        """Return all of them, the oldest first."""
         return (await self._get(self._path, wire.Recordings)).recordings
 
     async def get(self, identifier: str) -> wire.Recording:
-        """Return the description of one."""
+        """Return the description of a recording."""
         return await self._get(self._of(identifier), wire.Recording)
 
     async def trajectory(self, identifier: str, rate: float = 30.0) -> wire.Trajectory:
-        """Return the joint positions of one that has ended.
+        """Return the joint positions of an ended recording.
 
         Args:
             identifier: Id or name of the recording.
@@ -58,14 +57,14 @@ class AsyncFilesClient(ClientPart):
         return await self._get(path, wire.Trajectory, {"rate": repr(rate)})
 
     async def download(self, identifier: str, target: Path | str) -> Path:
-        """Write the MCAP file of one that has ended to a new file; return its path.
+        """Write the MCAP file of an ended recording to a new file; return its path.
 
         Args:
             identifier: Id or name of the recording.
-            target: The file to be; it is not there yet.
+            target: The file to write, which must not exist.
 
         Raises:
-            FileExistsError: There is such a file.
+            FileExistsError: The file already exists.
         """
         target = Path(target)
         await self._connection.download(self._of(identifier, "file"), target)
@@ -80,18 +79,18 @@ class AsyncFilesClient(ClientPart):
         joints: Iterable[str] = (),
         rate: float | None = None,
     ) -> Path:
-        """Write one that has ended as CSV to a new file; return its path.
+        """Write an ended recording as CSV to a new file; return its path.
 
         Args:
             identifier: Id or name of the recording.
-            target: The file to be; it is not there yet.
+            target: The file to write, which must not exist.
             channels: Channels, or channels with a field, e.g. `joint_states/position`;
                 all when there is none.
             joints: Joints, or other elements with a name; all when there is none.
             rate: Rows per second of station time [Hz], > 0; every cycle when None.
 
         Raises:
-            FileExistsError: There is such a file.
+            FileExistsError: The file already exists.
         """
         target = Path(target)
         query: Query = {"channels": [*channels], "joints": [*joints]}
@@ -101,14 +100,14 @@ class AsyncFilesClient(ClientPart):
         return target
 
     async def events(self, identifier: str) -> Sequence[wire.RecordedEvent]:
-        """Return the events of a recording that has ended, with the notes on it."""
+        """Return the events of an ended recording, with its notes."""
         path = self._of(identifier, "events")
         return (await self._get(path, wire.RecordedEvents)).events
 
     async def add_note(
         self, identifier: str, text: str, time: float, until: float | None = None
     ) -> wire.RecordedEvent:
-        """Write a note into one that has ended; it becomes an event of the file.
+        """Add a note to an ended recording; it becomes an event of the file.
 
         Args:
             identifier: Id or name of the recording.
@@ -121,7 +120,7 @@ class AsyncFilesClient(ClientPart):
         return await self._send("POST", path, wire.RecordedEvent, request)
 
     async def bench(self, identifier: str, part: PartRequest) -> BenchResponse:
-        """Read a part of one that has ended as a test of a joint, and keep the run.
+        """Read a part of an ended recording as a test of a joint, and keep the run.
 
         Args:
             identifier: Id or name of the recording.
@@ -144,19 +143,19 @@ class AsyncRecordingsClient(AsyncFilesClient):
 
         Args:
             name: Up to 80 letters, digits, `_`, `.` and `-`.
-            note: For the record.
+            note: Note to store in the recording.
         """
         request = wire.RecordingRequest(name=name, note=note)
         return await self._send("POST", self._path, wire.Recording, request)
 
     async def stop(self, identifier: str | None = None) -> wire.Recording:
-        """End a recording; its file is whole then.
+        """End a recording, which completes its file.
 
         Args:
-            identifier: Id or name of the recording; the running one when None.
+            identifier: Id or name of the recording; None for the running one.
 
         Raises:
-            LookupError: None runs.
+            LookupError: No recording runs.
         """
         if identifier is None:
             running = [r for r in await self.list() if r.state == "recording"]
@@ -166,14 +165,14 @@ class AsyncRecordingsClient(AsyncFilesClient):
         return await self._send("POST", self._of(identifier, "stop"), wire.Recording)
 
     async def upload(self, file: Path | str, name: str = "") -> wire.Recording:
-        """Keep an MCAP file of a station, this one or another, among the recordings.
+        """Upload an MCAP file, of this or another station, to the recordings.
 
         Args:
             file: The file.
             name: Name of the recording: up to 80 letters, digits, `_`, `.` and `-`.
 
         Raises:
-            FileNotFoundError: There is no such file.
+            FileNotFoundError: The file does not exist.
         """
         return await self._connection.send(
             "POST",
@@ -185,7 +184,7 @@ class AsyncRecordingsClient(AsyncFilesClient):
         )
 
     async def delete(self, identifier: str) -> wire.Recording:
-        """Delete a recording that does not run; return its description."""
+        """Delete an ended recording; return its description."""
         return await self._send("DELETE", self._of(identifier), wire.Recording)
 
 
@@ -205,7 +204,7 @@ class AsyncBenchRunsClient(NamedThings[BenchResponse]):
     _kind = BenchResponse
 
     async def list(self) -> list[BenchRun]:
-        """Return the runs with their figures, the oldest first."""
+        """Return the kept runs with their metrics, the oldest first."""
         return (await self._get(self._path, BenchRuns)).runs
 
 
@@ -222,7 +221,7 @@ class AsyncLessonsClient(ClientPart):
         return await self._get(self._path, Lessons, {"person": person})
 
     async def begin(self, name: str, person: str = "") -> Lesson:
-        """Begin a lesson: the station watches the robot from now on."""
+        """Begin a lesson; the station watches the robot from now on."""
         request = LessonBeginRequest(person=person)
         return await self._send("POST", self._of(name, "begin"), Lesson, request)
 
@@ -234,7 +233,8 @@ class AsyncLessonsClient(ClientPart):
         Args:
             name: The lesson.
             person: Name of the student; the name of the token when empty.
-            answers: Worked-out numbers by name, in the units of the lesson.
+            answers: Numbers that the student has worked out, by name, in the units of
+                the lesson.
         """
         request = LessonCheckRequest(person=person, answers=dict(answers or {}))
         return await self._send("POST", self._of(name, "check"), LessonResult, request)
@@ -249,7 +249,7 @@ class AsyncCamerasClient(ClientPart):
     _path = "/cameras"
 
     async def list(self) -> wire.Cameras:
-        """Return the cameras; `fault` says why one has no pictures."""
+        """Return the cameras; the `fault` of a camera says why it has no pictures."""
         return await self._get(self._path, wire.Cameras)
 
     async def save(self, name: str, target: Path | str) -> Path:
@@ -257,13 +257,13 @@ class AsyncCamerasClient(ClientPart):
 
         Args:
             name: Name of the camera.
-            target: The JPEG file to be.
+            target: The JPEG file to write, which must not exist.
 
         Returns:
             The file.
 
         Raises:
-            FileExistsError: There is such a file.
+            FileExistsError: The file already exists.
         """
         target = Path(target)
         await self._connection.download(self._of(name), target)
@@ -286,11 +286,11 @@ class AsyncGainSetsClient(NamedThings[wire.GainSet]):
     async def save(
         self, name: str, controllers: Sequence[str] | None = None
     ) -> wire.GainSet:
-        """Save the gains in force under a name; a set of that name is replaced.
+        """Save the gains in force under a name; it replaces a set of the same name.
 
         Args:
             name: Letters, digits, `_`, `.` and `-`.
-            controllers: Controllers; all loaded controllers when None.
+            controllers: Controllers; None for all loaded controllers.
         """
         request = _chosen(controllers)
         return await self._send("PUT", self._of(name), wire.GainSet, request)
@@ -302,7 +302,7 @@ class AsyncGainSetsClient(NamedThings[wire.GainSet]):
 
         Args:
             name: The set.
-            controllers: Controllers; all controllers of the set when None.
+            controllers: Controllers; None for all controllers of the set.
         """
         path, request = self._of(name, "apply"), _chosen(controllers)
         return (await self._send("POST", path, wire.GainsChanges, request)).changes
@@ -316,7 +316,8 @@ class AsyncGainSetsClient(NamedThings[wire.GainSet]):
 
         Args:
             changes: New values by controller and name.
-            revisions: Refuse when the gains of a controller have another revision.
+            revisions: Revisions of the gains by controller; the station refuses the
+                change if a present revision differs.
         """
         request = GainsOfControllersPatch(
             changes={name: dict(values) for name, values in changes.items()},
@@ -325,7 +326,7 @@ class AsyncGainSetsClient(NamedThings[wire.GainSet]):
         return (await self._send("PATCH", "/gains", wire.GainsChanges, request)).changes
 
     async def undo(self) -> Mapping[str, wire.GainsChange]:
-        """Take the last change of gains back; return the change of each controller."""
+        """Undo the last change of gains; return the change of each controller."""
         answer = await self._send("POST", f"{self._path}/undo", wire.GainsChanges)
         return answer.changes
 
@@ -355,7 +356,7 @@ class AsyncPlotLayoutsClient(NamedThings[wire.PlotLayout]):
         plots: Sequence[wire.PlotSettings | wire.PlotRequest],
         docks: wire.DockSettings | wire.DocksRequest | None = None,
     ) -> wire.PlotLayout:
-        """Save the plots of a layout; a layout of that name is replaced.
+        """Save a layout of plots; it replaces a layout of the same name.
 
         Args:
             name: Letters, digits, `_`, `.` and `-`.
@@ -388,7 +389,7 @@ class AsyncScenesClient(NamedThings[wire.SavedScene]):
         return (await self._get(self._path, wire.SavedScenes)).scenes
 
     async def save(self, name: str) -> wire.SavedScene:
-        """Save the objects that have a role now; a scene of that name is replaced.
+        """Save the present objects with a role; they replace a scene of the same name.
 
         Args:
             name: Letters, digits, `_`, `.` and `-`.
@@ -416,7 +417,7 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
     async def save(
         self, name: str, waypoints: Sequence[wire.Waypoint | wire.WaypointRequest]
     ) -> wire.WaypointPath:
-        """Save the waypoints of a path; a path of that name is replaced.
+        """Save the waypoints of a path; they replace a path of the same name.
 
         Args:
             name: Letters, digits, `_`, `.` and `-`.
@@ -430,7 +431,7 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
     async def capture(
         self, name: str, waypoint: str | None = None, duration: float = 2.0
     ) -> wire.WaypointPath:
-        """Add the present positions to the end of a path; make the path if it is new.
+        """Add the present positions to the end of a path, which may be new.
 
         Args:
             name: The path.
@@ -453,15 +454,15 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
 
         Args:
             name: The path.
-            controller: The trajectory controller; the running one when None.
+            controller: The trajectory controller; None for the running one.
             speed: Factor of all speeds, 0.05 to 2.
-            loop: Begin again at the end.
+            loop: Whether to begin again at the end.
         """
         request = wire.PlayRequest(controller=controller, speed=speed, loop=loop)
         return await self._send("POST", self._of(name, "play"), wire.Playback, request)
 
     async def playback(self) -> wire.Playback | None:
-        """Return the path that plays or played last; None when none was played."""
+        """Return the path that plays or played last; None before the first."""
         return (await self._get(_PLAYBACK, wire.LastPlayback)).playback
 
     async def change(
@@ -474,9 +475,9 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
         """Pause or resume the path that plays; change its speed, or whether it loops.
 
         Args:
-            paused: True holds, false goes on, None leaves it.
-            speed: Factor of all speeds, 0.05 to 2; None leaves it.
-            loop: Whether it begins again at its end; None leaves it.
+            paused: True pauses, False resumes, None changes nothing.
+            speed: Factor of all speeds, 0.05 to 2; None keeps the speed.
+            loop: Whether the path begins again at its end; None keeps the setting.
         """
         request = wire.PlaybackPatch(paused=paused, speed=speed, loop=loop)
         return await self._send("PATCH", _PLAYBACK, wire.Playback, request)
@@ -499,7 +500,7 @@ class AsyncExperimentsClient(NamedThings[Experiment]):
         """Start an experiment; one runs at a time. The robot does not move.
 
         Args:
-            request: Description of it, such as `ExperimentRequest(kind="tune",
+            request: The experiment, such as `ExperimentRequest(kind="tune",
                 controller="effort_joint_trajectory_controller")`.
         """
         return await self._send(
@@ -509,11 +510,11 @@ class AsyncExperimentsClient(NamedThings[Experiment]):
     async def wait(
         self, name: str, watch: Callable[[Experiment], None] | None = None
     ) -> Experiment:
-        """Wait until an experiment does not run any more; return it.
+        """Wait until an experiment has ended; return it.
 
         Args:
             name: The experiment.
-            watch: Is called with it twice a second.
+            watch: Function that is called with the experiment twice a second.
         """
         found = await self.get(name)
         while found.state == "running":
@@ -526,7 +527,7 @@ class AsyncExperimentsClient(NamedThings[Experiment]):
         return found
 
     async def cancel(self, name: str) -> Experiment:
-        """End the experiment that runs; trials that run may end."""
+        """End the running experiment, after its running trials."""
         return await self._send("POST", self._of(name, "cancel"), Experiment)
 
     async def trials(
@@ -536,8 +537,8 @@ class AsyncExperimentsClient(NamedThings[Experiment]):
 
         Args:
             name: The experiment.
-            after: Number of the last trial that is known.
-            count: How many at most, 1 to 500.
+            after: Number of the last trial that the caller knows.
+            count: Largest number of trials, 1 to 500.
         """
         query = {"after": str(after), "count": str(count)}
         path = self._of(name, "trials")
@@ -550,8 +551,9 @@ class AsyncExperimentsClient(NamedThings[Experiment]):
 
         Args:
             name: The experiment.
-            count: How many at most, 1 to 500.
-            metric: Metric that ranks; the experiment's own goal or metric when None.
+            count: Largest number of trials, 1 to 500.
+            metric: Metric that ranks the trials; None for the experiment's own goal or
+                metric.
         """
         query = {"count": str(count)}
         if metric is not None:
@@ -559,16 +561,16 @@ class AsyncExperimentsClient(NamedThings[Experiment]):
         return (await self._get(self._of(name, "best"), ExperimentTrials, query)).trials
 
     async def responses(self, name: str) -> list[ExperimentResponse]:
-        """Return the responses that were kept: first and best trial, or the worst."""
+        """Return the kept responses: of first and best trial, or of the worst ones."""
         path = self._of(name, "responses")
         return (await self._get(path, ExperimentResponses)).responses
 
     async def preview(self, name: str, trial: str | None = None) -> ExperimentPreview:
-        """Return the gains that a trial's own would change.
+        """Return the changes that would put the gains of a trial into force.
 
         Args:
             name: The experiment.
-            trial: Hash of the trial, or the beginning of it; the best when None.
+            trial: Hash of the trial, or its first characters; None for the best trial.
         """
         query = {} if trial is None else {"trial": trial}
         return await self._get(self._of(name, "preview"), ExperimentPreview, query)
@@ -583,8 +585,9 @@ class AsyncExperimentsClient(NamedThings[Experiment]):
 
         Args:
             name: The experiment, and the name of the gain set.
-            trial: Hash of the trial, or the beginning of it; the best when None.
-            revisions: Those of the preview; refused when the gains have changed since.
+            trial: Hash of the trial, or its first characters; None for the best trial.
+            revisions: Revisions of the preview; the station refuses the change if gains
+                have changed since.
         """
         request = ExperimentApplyRequest(
             trial=trial, revisions=None if revisions is None else dict(revisions)
@@ -598,16 +601,16 @@ class AsyncExperimentsClient(NamedThings[Experiment]):
 
 
 class AsyncAlarmsClient(ClientPart):
-    """Alarms, each of which asks for a person: `client.alarms`."""
+    """Alarms, each of which needs a person: `client.alarms`."""
 
     _path = "/alarms"
 
     async def list(self) -> list[wire.Alarm]:
-        """Return the alarms that have a cause or are not acknowledged."""
+        """Return the alarms whose cause is present, or that are not acknowledged."""
         return (await self._get(self._path, wire.Alarms)).alarms
 
     async def acknowledge(self, number: int) -> wire.Alarm:
-        """Say that an alarm was seen; its cause stays.
+        """Acknowledge an alarm; its cause stays.
 
         Args:
             number: The `id` of the alarm.
@@ -617,12 +620,12 @@ class AsyncAlarmsClient(ClientPart):
 
 
 class AsyncTokensClient(ClientPart):
-    """Named tokens, made, listed and revoked by an operator: `client.tokens`."""
+    """Named tokens that an operator makes, lists and revokes: `client.tokens`."""
 
     _path = "/tokens"
 
     async def list(self) -> list[wire.Token]:
-        """Return the named tokens that are valid."""
+        """Return the valid named tokens."""
         return (await self._get(self._path, wire.Tokens)).tokens
 
     async def create(
@@ -632,7 +635,7 @@ class AsyncTokensClient(ClientPart):
         *,
         expires: float | None = None,
     ) -> wire.NewToken:
-        """Make a token; the answer alone has it.
+        """Make a token, which only this answer contains.
 
         Args:
             name: Owner of the token.
@@ -643,7 +646,7 @@ class AsyncTokensClient(ClientPart):
         return await self._send("POST", self._path, wire.NewToken, request)
 
     async def revoke(self, name: str) -> wire.Token:
-        """End a token, and the streams, sessions and the control it has."""
+        """Revoke a token; its streams, sessions and its control end, too."""
         return await self._send("DELETE", self._of(name), wire.Token)
 
 
@@ -653,7 +656,7 @@ class AsyncAgentsClient(ClientPart):
     _path = "/agents/requests"
 
     async def requests(self) -> list[wire.AgentRequest]:
-        """Return the latest requests, oldest first; one that waits has no `verdict`."""
+        """Return the latest requests, oldest first; a waiting one has no `verdict`."""
         return (await self._get(self._path, wire.AgentRequests)).requests
 
     async def answer(

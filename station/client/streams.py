@@ -1,4 +1,4 @@
-"""Streams of a station over WebSockets: frames of a topic, and set-points."""
+"""Streams over WebSockets: frames of a topic from the station, set-points to it."""
 
 import asyncio
 import json
@@ -41,7 +41,7 @@ REFUSALS: Mapping[int, tuple[str, str]] = {
 
 
 def bearer(token: str | None) -> dict[str, str]:
-    """Return the header that carries `token`; none when there is no token."""
+    """Return the header that carries `token`; empty without a token."""
     return {} if token is None else {"Authorization": f"Bearer {token}"}
 
 
@@ -50,14 +50,14 @@ class StreamOptions:
     """Address and options of a stream.
 
     Attributes:
-        base_url: The station, http or https.
+        base_url: URL of the station, http or https.
         token: Operator or viewer token.
         topic: Topic to stream.
         rate: Frames per second [Hz], or "full"; None means the station's default.
-        fields: Only these keys of `data`; all when empty.
-        reconnect: Connect again when the link breaks.
+        fields: Keys of `data` to send; all when empty.
+        reconnect: Whether to connect again when the link breaks.
         timeout: Longest wait for a connection [s].
-        tls: How the station's certificate is checked; None for plain HTTP.
+        tls: TLS context that checks the station's certificate; None for plain HTTP.
     """
 
     base_url: str
@@ -82,17 +82,17 @@ class StreamOptions:
 
 
 class Backoff:
-    """Delays between attempts to connect: doubling, with jitter."""
+    """Delays between attempts to connect, which double, with jitter."""
 
     def __init__(self) -> None:
         self._delay = FIRST_DELAY
 
     def reset(self) -> None:
-        """Begin again with the first delay, after a connection that worked."""
+        """Start again with the first delay, after a successful connection."""
         self._delay = FIRST_DELAY
 
     def next(self) -> float:
-        """Return the next delay [s], between half and all of the doubling one."""
+        """Return the next delay [s], 50 to 100 % of the doubled one."""
         delay = self._delay
         self._delay = min(2.0 * delay, LONGEST_DELAY)
         return delay * random.uniform(0.5, 1.0)
@@ -102,9 +102,9 @@ class StreamProgress:
     """State of a stream.
 
     Attributes:
-        connected: The link stands and its first frame has come.
+        connected: Whether the link is up and its first frame has come.
         hello: The newest first frame: boot_id, epoch and a full snapshot.
-        connections: How many times it connected.
+        connections: Number of connections so far.
     """
 
     def __init__(self) -> None:
@@ -124,12 +124,12 @@ class StreamProgress:
         return frame.model_copy(update={"boot_id": boot_id})
 
     def snapshot(self) -> dict[str, JsonValue]:
-        """Return the full snapshot of the newest hello; empty before it."""
+        """Return the full snapshot of the newest hello; empty before any hello."""
         return {} if self.hello is None else self.hello.data
 
 
 def refusal(error: Exception) -> ApiError | None:
-    """Return the error to raise when connecting again is pointless, else None."""
+    """Return the error to raise if connecting again is pointless, else None."""
     if isinstance(error, InvalidStatus) and error.response.status_code < 500:
         return ApiError.from_body(
             error.response.status_code, bytes(error.response.body or b"")
@@ -147,10 +147,10 @@ def refusal(error: Exception) -> ApiError | None:
 
 
 def _give_up(error: Exception, url: str) -> NoReturn:
-    """Raise why there is no link to a station.
+    """Raise the error for a failed link to a station.
 
     Raises:
-        ApiError: The station refuses it.
+        ApiError: The station refuses the link.
         StationUnreachableError: The station does not answer.
     """
     raise refusal(error) or StationUnreachableError(url, error) from error
@@ -159,10 +159,10 @@ def _give_up(error: Exception, url: str) -> NoReturn:
 class AsyncStream:
     """Frames of a topic; a slow reader misses frames.
 
-    `async with` connects at once and raises when that fails; without it, the first
-    frame that is asked for connects. Cancel the task, or leave the loop, to end it. The
-    station's first frame does not come as an item but as `progress.hello`; a new
-    `boot_id` in a frame means that the station restarted.
+    `async with` connects at once and raises an error when that fails; without it,
+    reading the first frame connects. Cancel the task, or leave the loop, to end the
+    stream. The station's first frame is not an item of the iteration, but
+    `progress.hello`. A new `boot_id` in a frame means that the station has restarted.
 
     Args:
         options: Station, topic and rate of the stream.
@@ -191,8 +191,9 @@ class AsyncStream:
             await self.close()
             _give_up(error, self.options.base_url)
         except BaseException:
-            # Interrupted on the way into the block, whose end would close the link. The
-            # loop may end at once, so there is no time for a farewell.
+            # The entry was interrupted, so the end of the block will not close the
+            # link. The loop may end at once, so there is no time for a closing
+            # handshake.
             if self._connection is not None:
                 self._connection.transport.abort()
             raise
@@ -202,14 +203,14 @@ class AsyncStream:
         await self.close()
 
     async def close(self) -> None:
-        """Close the connection; asking for a frame connects again."""
+        """Close the connection; reading another frame connects again."""
         connection, self._connection = self._connection, None
         self.progress.connected = False
         if connection is not None:
             await connection.close()
 
     async def __aiter__(self) -> AsyncIterator[wire.StreamFrame]:
-        """Yield frames until the loop over them is left."""
+        """Yield frames until the caller leaves the iteration."""
         try:
             while True:
                 yield await self.receive()
@@ -221,7 +222,7 @@ class AsyncStream:
         predicate: Callable[[wire.StreamFrame], bool],
         timeout: float | None = None,
     ) -> wire.StreamFrame:
-        """Return the first frame that fulfils a condition.
+        """Return the first frame that meets a condition.
 
         Args:
             predicate: The condition, e.g. `lambda frame: frame.stamp > 5.0`.
@@ -243,12 +244,12 @@ class AsyncStream:
         """Connect, and return the samples of some seconds.
 
         Args:
-            seconds: How much station time, > 0 [s].
+            seconds: Station time to collect [s], > 0.
             patience: Longest wait for the next frame [s].
 
         Raises:
             ApiError: The station refuses the stream.
-            StreamTimeoutError: Nothing comes, e.g. because the simulation is paused.
+            StreamTimeoutError: No frame comes, e.g. because the simulation is paused.
         """
         samples = Samples(self.options.topic)
         async with self:
@@ -308,16 +309,16 @@ class AsyncStream:
 
 @dataclass(frozen=True, slots=True)
 class CommandOptions:
-    """Address of set-points, and the time after which they expire.
+    """Address and options of a stream of set-points.
 
     Attributes:
-        base_url: The station, http or https.
+        base_url: URL of the station, http or https.
         token: Operator token.
-        lease: The lease of control that the stream acts under; None without one.
+        lease: The lease of control under which the stream sends; None without one.
         controller: The controller.
         timeout: Silence after which the last set-point expires [s], > 0.
         patience: Longest wait for a connection [s].
-        tls: How the station's certificate is checked; None for plain HTTP.
+        tls: TLS context that checks the station's certificate; None for plain HTTP.
     """
 
     base_url: str
@@ -335,7 +336,7 @@ class CommandOptions:
         return f"{base}{path}?{urlencode({'timeout': self.timeout})}"
 
     def headers(self) -> dict[str, str]:
-        """Return the headers that prove access and the lease of control."""
+        """Return the headers with the token and the lease of control."""
         lease = {} if self.lease is None else {LEASE_HEADER: self.lease}
         return {**bearer(self.token), **lease}
 
@@ -347,8 +348,8 @@ def written(
 
     Args:
         values: The set-point.
-        epoch: The epoch that it is made for; None for the present one.
-        rates: How fast it changes; None when that is not known.
+        epoch: Epoch of the set-point; None for the present one.
+        rates: How fast the set-point changes [rad/s or m/s]; None if unknown.
 
     Raises:
         ValueError: A number is not finite.
@@ -365,17 +366,18 @@ def written(
 
 
 class AsyncCommandStream:
-    """Sends set-points one after the other; the newest wins. Use it in `async with`.
+    """Sends set-points in `async with`; a newer one replaces those that wait.
 
-    When the program sends nothing for `timeout`, the last set-point expires and the
-    controller does what its `command_timeout` parameters say, as after a lost link.
+    When the program sends nothing for `timeout`, or the link is lost, the last
+    set-point expires, and the controller's `command_timeout` parameters decide what it
+    does.
 
     Args:
         options: Station and controller of the stream.
 
     Attributes:
-        counts: The station's last report on the set-points it has received; None
-            before the first report. Read while sending.
+        counts: The station's last report on the set-points it has received; None before
+            the first report.
     """
 
     def __init__(self, options: CommandOptions) -> None:
@@ -427,11 +429,12 @@ class AsyncCommandStream:
         epoch: int | None = None,
         rates: Sequence[float] | None = None,
     ) -> None:
-        """Send a set-point; does not wait for the station.
+        """Send a set-point, without waiting for the station.
 
         Args:
             values: One number per element of the controller, in its order and units.
-            epoch: Refuse when a stop or reset came since that epoch.
+            epoch: Epoch of the set-point; the station refuses it after a later stop or
+                reset.
             rates: How fast the set-point changes [rad/s or m/s].
 
         Raises:
@@ -442,17 +445,18 @@ class AsyncCommandStream:
         await self.post(written(values, epoch, rates))
 
     async def post(self, message: str) -> None:
-        """Send a set-point that is encoded already; raises the errors of `send`."""
+        """Send an encoded set-point; it raises the errors of `send`."""
         try:
             await self.link().send(message)
         except (OSError, WebSocketException) as error:
             _give_up(error, self.options.base_url)
-        # A link that takes all at once does not suspend `send`, and whoever sends in a
-        # tight loop would never read the reports, nor learn that the stream has ended.
+        # A fast link does not suspend `send`. Without this pause a program that sends
+        # in a tight loop would never read the reports, nor notice the end of the
+        # stream.
         await asyncio.sleep(0)
 
     def link(self) -> ClientConnection:
-        """Return the connection; raise the errors of `send` when there is none.
+        """Return the connection; raise the errors of `send` without one.
 
         Raises:
             ApiError: The station has ended the stream.
@@ -466,7 +470,7 @@ class AsyncCommandStream:
         return self._connection
 
     async def _read(self, connection: ClientConnection) -> None:
-        """Read the reports of the station until the link ends, for whatever reason."""
+        """Read the station's reports until the link ends, for whatever reason."""
         try:
             while True:
                 message = await connection.recv()
