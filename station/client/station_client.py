@@ -176,7 +176,7 @@ class AsyncStationClient(AsyncControllersClient):
         return await self._get("/health", wire.Health)
 
     async def ready(self) -> wire.Ready:
-        """Return when the loop runs with fresh cycles; otherwise raise the reason."""
+        """Check that the loop runs with fresh cycles; otherwise raise the reason."""
         return await self._get("/ready", wire.Ready)
 
     async def session(self) -> wire.Session:
