@@ -1,9 +1,9 @@
-"""Rights of programs with an agent's token, and the requests that a person answers.
+"""Rights of agents (programs with an agent's token), and their requests to people.
 
-An agent asks, and a person answers. A request that can move the robot waits here until
-somebody with the operator role has allowed or refused it; nothing of it has begun by
-then. Texts that an agent has read, or has been told, decide nothing: neither the list
-of its operations nor its envelope can be changed through the agent's token.
+A request of an agent that can move the robot waits here until a person with the
+operator role has allowed or refused it; until then nothing of it begins. No text that
+an agent reads can extend its rights: the agent's token cannot change the list of its
+operations or its envelope.
 """
 
 import asyncio
@@ -34,14 +34,15 @@ FREE = frozenset([
     "stop_gripper",
     "cancel_playback",
 ])
-"""Operations of agents that need nobody's leave: they move nothing, or end a motion."""
+"""Operations that agents may call without asking: they move nothing, or end a motion.
+"""
 REHEARSED = frozenset([
     "put_command",
     "submit_goal",
     "follow_trajectory",
     "play_waypoint_path",
 ])
-"""Operations that are given by the certificate of a rehearsal, as the policy says."""
+"""Commands that need the certificate of a rehearsal if the policy requires one."""
 _NOT_READ = frozenset(["list_tokens", "stream_needs_websocket"])
 ASKED = REHEARSED | frozenset([
     "load_controller",
@@ -58,27 +59,27 @@ ASKED = REHEARSED | frozenset([
     "grasp",
     "step",
 ])
-"""Operations of agents that a person allows. All others are refused to agents."""
+"""Operations of agents that a person must allow. Agents may not call any others."""
 MOST_WAITING = 4
-"""Most requests of one agent that wait at a time: more would bury the first one."""
+"""Most waiting requests of one agent: more would hide the first one from people."""
 MOST_KEPT = 200
-"""Most requests that are kept, decided ones too."""
+"""Most requests that are kept, including decided ones."""
 
 
 def seat_of(method: str, operation: Mapping[str, Any]) -> str | None:
     """Return the agents' right to an operation; None when agents cannot use it.
 
     Args:
-        method: HTTP method, in small letters.
-        operation: Its part of the API's document.
+        method: HTTP method, in lower case.
+        operation: The operation in the OpenAPI document.
 
     Returns:
-        `read`; `free`, without asking; or `asked`, when a person has allowed it. The
-        document says it as `x-agent`.
+        `read`; `free`, without asking; or `asked`, if a person allows it. The document
+        has it as `x-agent`.
     """
     name = operation["operationId"]
     if method == "get":
-        # Files are for programs, and tokens are for people.
+        # Agents may read JSON only, no files, and no list of tokens.
         content = operation["responses"].get("200", {}).get("content", {})
         is_read = "application/json" in content and name not in _NOT_READ
         return "read" if is_read else None
@@ -88,7 +89,7 @@ def seat_of(method: str, operation: Mapping[str, Any]) -> str | None:
 
 
 class AgentRefusedError(StationError, PermissionError):
-    """An agent may not do this, or nobody has allowed it."""
+    """Agents may not call the operation, or no person has allowed the request."""
 
     code = "agent_refused"
 
@@ -106,7 +107,7 @@ class AgentRequestNotFoundError(StationError, KeyError):
 
 
 class AgentRequestDecidedError(StationError, RuntimeError):
-    """A request of an agent has been decided, and cannot be once more."""
+    """A request of an agent is already decided, and cannot be decided again."""
 
     code = "agent_request_decided"
 
@@ -116,10 +117,10 @@ class AgentPolicy:
     """Rules of a station for its agents.
 
     Attributes:
-        approval: Whether a person allows each motion. False is for a simulation that is
-            stepped, in which nothing moves by itself.
+        approval: Whether a person must allow each motion. False is possible only in a
+            stepped simulation, in which nothing moves by itself.
         wait: How long a request waits for a person [s], > 0.
-        grant: Length of an allowance for the time to come [s].
+        grant: How long `ALLOWED_FOR_A_TIME` allows further requests [s].
     """
 
     approval: bool = True
@@ -134,7 +135,7 @@ class _Waiting:
 
 
 class Agents:
-    """Requests of agents, and the answers of people. For one event loop.
+    """Requests of agents, and the answers of people. Use it in one event loop only.
 
     Args:
         station: The station.
@@ -158,11 +159,11 @@ class Agents:
         self._granted: dict[str, tuple[float, int]] = {}
 
     def requests(self) -> list[AgentRequest]:
-        """Return the latest requests, oldest first; those that wait have no verdict."""
+        """Return the latest requests, oldest first; waiting ones have no verdict."""
         return [waiting.report for waiting in self._requests.values()]
 
     def check(self, operation: str, access: Access) -> None:
-        """Refuse an operation that no agent has.
+        """Refuse an operation that agents may not call.
 
         Raises:
             AgentRefusedError: Agents may not call the operation.
@@ -175,7 +176,7 @@ class Agents:
             )
 
     async def admit(self, request: Request, access: Access, origin: Origin) -> None:
-        """Wait until a person allows a request; return at once where none is needed.
+        """Wait until a person allows a request; return at once if none has to.
 
         Args:
             request: The request; its route names the operation.
@@ -185,11 +186,11 @@ class Agents:
         Raises:
             AgentRefusedError: A person refused, no person answered in time, or the
                 robot was stopped meanwhile.
-            TooManyAgentRequestsError: Too many requests of this agent wait.
+            TooManyAgentRequestsError: Too many requests of this agent are waiting.
         """
         operation = request.scope["route"].name
         body = await request.json() if await request.body() else {}
-        # Other operations may have a body that nobody reads: only this one previews.
+        # Look for a preview in this operation only: other bodies may have any content.
         is_preview = (
             operation == "switch_controllers"
             and isinstance(body, dict)
@@ -215,7 +216,8 @@ class Agents:
         except TimeoutError:
             self._end(asked, Verdict.EXPIRED, "", origin)
         except asyncio.CancelledError:
-            # The agent has hung up: an answer would allow what nobody waits for.
+            # The agent has closed the connection, so an answer would allow a request
+            # that no client waits for.
             self._end(asked, Verdict.EXPIRED, "", origin)
             raise
         if self._station.epoch != epoch:
@@ -233,17 +235,17 @@ class Agents:
             raise _refused(f"{report.decided_by} refused it.", "Ask the person why.")
 
     def decide(self, number: str, verdict: Verdict, origin: Origin) -> AgentRequest:
-        """Allow or refuse a request that waits.
+        """Allow or refuse a waiting request.
 
         Args:
             number: The request.
             verdict: `ALLOWED`, `ALLOWED_FOR_A_TIME` or `REFUSED`.
-            origin: The person.
+            origin: The person who answers.
 
         Raises:
             AgentRequestNotFoundError: There is no such request.
-            AgentRequestDecidedError: It was decided before, or the agent has stopped
-                waiting.
+            AgentRequestDecidedError: The request is already decided, or the agent no
+                longer waits.
         """
         asked = self._requests.get(number)
         if asked is None:
@@ -263,7 +265,7 @@ class Agents:
         return asked.report
 
     def withdraw(self) -> None:
-        """End every allowance for a time to come: control has changed hands."""
+        """End all `ALLOWED_FOR_A_TIME` verdicts, because control has changed hands."""
         self._granted.clear()
 
     def _check_stepped(self) -> None:

@@ -1,6 +1,7 @@
-"""Answers whose structure differs from that of the core's values.
+"""Make the answers whose structure differs from the core's values.
 
-Everything else is a report that is sent as it is, or read by attribute.
+All other answers are reports that are sent as they are, or models that pydantic reads
+from the core's values.
 """
 
 from collections.abc import Iterable, Mapping
@@ -108,7 +109,7 @@ def _message(values: Mapping[str, object]) -> dict[str, JsonValue]:
 
 
 def _json(value: object) -> JsonValue:
-    """Return a value of a controller's message as JSON has it."""
+    """Return a value of a controller's message with only the types that JSON has."""
     if isinstance(value, float):
         return None if finite_or_none(value) is None else value
     if isinstance(value, Mapping):
@@ -151,7 +152,7 @@ def hardware(report: HardwareReport) -> wire.Hardware:
 
 
 def clamps(reports: Iterable[ClampReport]) -> list[wire.Clamp]:
-    """Return the count of commands cut off by limits, each with its last time."""
+    """Return the commands that limits have cut off: their number and the last one."""
     return [
         wire.Clamp(
             joint=report.last.joint,
@@ -196,7 +197,7 @@ def status(
     Args:
         station: The station.
         versions: Versions of the packages.
-        events: How the event log is doing.
+        events: State of the event log.
         operator: Name of the holder of control.
     """
     found = station.status()
@@ -221,7 +222,7 @@ def alarm(found: Alarm) -> wire.Alarm:
 
 
 def arm_report(found: ArmReport) -> wire.ArmReport:
-    """Return an arm at a glance, with the route that carries its remedy out."""
+    """Return an arm at a glance, with the route that carries out its remedy."""
     told = wire.ArmReport.model_validate(found)
     if found.robot_mode is not RobotMode.REFLEX:
         return told

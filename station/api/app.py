@@ -75,11 +75,11 @@ _REQUEST_HEADERS = (
     NOT_AFTER_HEADER,
     REQUEST_ID_HEADER,
 )
-"""Headers that they may send. They have no cookie: they show a token."""
+"""Headers that these pages may send. They have no cookie, and send a token."""
 _ANSWER_HEADERS = (
     "ETag", REPLAYED_HEADER, REQUEST_ID_HEADER, CLOCK_HEADER, REHEARSAL_HEADER
 )  # fmt: skip
-"""Headers that they may read."""
+"""Headers of answers that these pages may read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,15 +87,15 @@ class Kept:
     """Data that a station keeps on disk.
 
     Attributes:
-        events: Log of the events; a log in memory when left out.
-        recorder: Records every cycle; None for a station that records nothing.
-        experiments: Runs experiments; None for a station that runs none.
-        gain_sets: Folder of the gain sets; the user's own when None.
-        plot_layouts: Folder of the plot layouts; the user's own when None.
-        scenes: Folder of the scenes; the user's own when None.
-        waypoint_paths: Folder of the waypoint paths; the user's own when None.
-        bench_runs: Folder of the runs of the bench; the user's own when None.
-        lessons: Folder of the user's lessons; the user's own when None.
+        events: Log of the events; by default a log in memory.
+        recorder: Records every cycle; None for a station without recordings.
+        experiments: Runs experiments; None for a station without experiments.
+        gain_sets: Folder of the gain sets; None for the user's own.
+        plot_layouts: Folder of the plot layouts; None for the user's own.
+        scenes: Folder of the scenes; None for the user's own.
+        waypoint_paths: Folder of the waypoint paths; None for the user's own.
+        bench_runs: Folder of the runs of the bench; None for the user's own.
+        lessons: Folder of the user's lessons; None for the user's own.
     """
 
     events: EventLog = field(default_factory=EventLog)
@@ -127,23 +127,23 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
     Args:
         station: The station that the API serves.
         authenticator: Knows the tokens.
-        policy: Allowed hosts and origins; localhost and numeric ones when
-            left out.
-        slow_after: Time after which a stream is closed whose client reads nothing [s].
+        policy: Allowed hosts and origins; by default localhost and numeric hosts.
+        slow_after: Time without reading after which a client's stream is closed [s].
         max_streams: Most streams at a time.
         max_body: Largest request body [bytes].
-        dashboard_url: Returns where the dashboard is; None while it is not known.
-        kept: Events and recordings on disk; only events, in memory,
-            when left out.
-        agents: Rules for agents; a person allows each change when left out.
-        cameras: Cameras; none when left out.
+        dashboard_url: Function that returns the URL of the dashboard; None while it is
+            unknown.
+        kept: Events, recordings and other data on disk; by default only events, in
+            memory.
+        agents: Rules for agents; by default a person must allow each change.
+        cameras: Cameras; by default none.
     """
     app = StationApi(
         title="Control station",
         version=package.__version__,
         description=DESCRIPTION,
         generate_unique_id_function=operation_id,
-        # Its spans and counters would cost time in every request.
+        # Spans and counters of telemetry would cost time in every request.
         telemetry={"tracing": False, "metrics": False, "logs": False},
     )
     kept = kept or Kept()
@@ -215,7 +215,7 @@ def _services(
 
 
 def _plan_path(player: PathPlayer, step: Mapping[str, Any]) -> dict[str, object]:
-    """Return the goal of a step that plays a path."""
+    """Return the trajectory goal of a step that plays a path."""
     return player.plan_goal(step["path"], PlayOptions(**step["options"]))
 
 
@@ -223,8 +223,8 @@ def _plan_path(player: PathPlayer, step: Mapping[str, Any]) -> dict[str, object]
 def _shared_routes() -> tuple[BaseRoute, ...]:
     """Return the routes that the applications of all stations have.
 
-    FastAPI works out at the first requests how each route is called, which takes half
-    a second for all of them: the applications of a process share the outcome.
+    FastAPI prepares each route at its first request, which takes half a second for all
+    routes. Sharing the routes lets the applications of a process prepare them once.
     """
     shared = APIRouter(generate_unique_id_function=operation_id)
     shared.include_router(api_router)

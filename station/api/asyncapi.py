@@ -45,7 +45,7 @@ TOPICS: tuple[tuple[str, type[Topic], type[BaseModel | Report] | None], ...] = (
     ("scene", SceneTopic, wire.Scene),
     ("events", EventsTopic, Event),
 )
-"""Address, topic, and the model of its data; None where it has several."""
+"""Address, topic, and the model of its data; None if it has several models."""
 
 _LIMITS = {
     "min_rate": MIN_RATE,
@@ -56,7 +56,7 @@ _LIMITS = {
 
 
 def document() -> Schema:
-    """Return the document; the frames are those without `fields`."""
+    """Return the document; it describes frames of streams without `fields`."""
     template = _template()
     sent = (*_MODELS, wire.CommandCounts)
     _, found = TypeAdapter.json_schemas(
@@ -116,7 +116,7 @@ def document() -> Schema:
 
 
 def _template() -> Schema:
-    """Return the template with the limits of rates and times in it."""
+    """Return the template, filled with the limits of rates and times."""
     text = Path(__file__).with_suffix(".yaml").read_text(encoding="utf-8")
     for name, limit in _LIMITS.items():
         text = text.replace(f"<{name}>", f"{limit:g}")

@@ -18,26 +18,27 @@ from station.web.request_id import present_request_id
 from station.wire.protocol import LEASE_HEADER, PREFIX, REPLAYED_HEADER
 
 WHO = "who"
-"""Key in the scope's state of who is behind a request, as far as it has proved that."""
+"""Key in the scope's state for the proved identity of a request's caller."""
 _OF_AGENT = "is_of_agent"
 _PREVIEW = "is_preview"
 _MARK = "mark"
 _READS = frozenset({"GET", "HEAD", "OPTIONS"})
-# They change nothing of the station; logins have events of their own.
+# These requests change nothing of the station; logins have events of their own.
 _UNREMARKABLE = frozenset({"/login", "/logout", "/stream-tickets"})
-# It comes every few seconds for hours. An offer to hand over has an event of its own.
+# A heartbeat comes every few seconds for hours. An offer to hand control over has an
+# event of its own.
 _HEARTBEAT = "PATCH /control"
 
 
 def note_access(connection: HTTPConnection, access: Access) -> None:
     """Note the caller of a request or a WebSocket.
 
-    Many people may share a token. The holder of control has given a name, and is called
-    by it as well in what is changed.
+    Many people may share a token. The holder of control has given a name, which events
+    of changes also contain.
 
     Args:
         connection: The request.
-        access: Rights that its token has proved.
+        access: Rights that the token of the request has proved.
     """
     who = access.name
     if connection.scope.get("method") not in _READS:
@@ -49,17 +50,17 @@ def note_access(connection: HTTPConnection, access: Access) -> None:
 
 
 def note_preview(connection: HTTPConnection) -> None:
-    """Note that a request is a preview: it leaves no event."""
+    """Note that a request is a preview, which is not recorded as an event."""
     connection.scope.setdefault("state", {})[_PREVIEW] = True
 
 
 def note_mark(connection: HTTPConnection, text: str) -> None:
-    """Note how plots mark what a request has done."""
+    """Note the mark that plots show for a request."""
     connection.scope.setdefault("state", {})[_MARK] = text
 
 
 def origin_of(connection: HTTPConnection) -> Origin:
-    """Return the proved identity behind a request or WebSocket."""
+    """Return the proved identity of the caller of a request or WebSocket."""
     client = connection.client
     return Origin(
         who=connection.scope.get("state", {}).get(WHO, ""),
@@ -69,10 +70,10 @@ def origin_of(connection: HTTPConnection) -> Origin:
 
 
 class Audit:
-    """Records every change that was requested, done or refused, and agents' reads.
+    """Records every requested change, carried out or refused, and all reads of agents.
 
-    It comes before the guard, so that requests from wrong places are recorded, too. A
-    set-point that repeats is counted, see `Repeats`.
+    It runs before the guard, so that it also records requests from forbidden hosts and
+    origins. Repeated set-points are counted, see `Repeats`.
 
     Args:
         app: The application.
@@ -84,7 +85,7 @@ class Audit:
         self._repeats = repeats
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, and record how it ended."""
+        """Pass a request on, and record its end."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -105,7 +106,7 @@ class Audit:
             self._record(scope, status, is_repeated=is_repeated)
 
     def _record(self, scope: Scope, status: int, *, is_repeated: bool) -> None:
-        # People may look unseen. Each call of an agent is on record.
+        # Reads of people are not recorded; every call of an agent is.
         is_of_agent = bool(scope["state"].get(_OF_AGENT))
         if scope["method"] in _READS and not is_of_agent:
             return
@@ -122,7 +123,8 @@ class Audit:
         code = scope["state"].get(PROBLEM_CODE, "")
         result = f"{status} {code}".strip() if status else "no answer"
         if not is_done and not origin.who:
-            # A guesser of tokens chooses paths at will: they distinguish no events.
+            # A client that guesses tokens can use any paths, so paths must not
+            # distinguish its events.
             what = scope["method"]
         who = origin.who or "a stranger"
         text = words_of(asked, who, result, is_done=is_done)
@@ -147,14 +149,14 @@ def _severity(status: int) -> Severity:
 
 
 class EventRecorder:
-    """Record events of the API: in the log, with repeats counted.
+    """Records events of the API in the log, and counts repeats.
 
     Args:
         log: The event log.
         now: Monotonic clock [s].
 
     Attributes:
-        log: The same.
+        log: As given.
         repeats: Counts repeated events.
     """
 
@@ -180,7 +182,7 @@ class EventRecorder:
         """Record that a browser has logged in or out.
 
         Args:
-            connection: Its request.
+            connection: Request of the browser.
             access: Rights of the client.
             what: `login` or `logout`.
         """
@@ -197,7 +199,7 @@ class EventRecorder:
         """Record how a switch ended.
 
         Args:
-            connection: The request for it.
+            connection: The request of the switch.
             result: Result of the switch.
         """
         names = [f"started {name}" for name in result.started]

@@ -18,10 +18,10 @@ TICKET_LIFETIME = 30.0
 SESSION_LIFETIME = 12 * 3600.0
 """How long a cookie is valid [s]."""
 EXPIRY_PERIOD = 1.0
-"""How often an open stream looks whether its session has expired [s]."""
+"""Time between two checks of an open stream whether its session has expired [s]."""
 MAX_GRANTS = 512
-"""Most cookies, and most tickets, that are kept for each role; of the same role the
-oldest are dropped first."""
+"""Most cookies, and most tickets, that are kept for each role; the oldest of a role are
+dropped first."""
 
 
 class Role(Enum):
@@ -30,7 +30,7 @@ class Role(Enum):
     VIEWER = "viewer"
     """Read everything, and stop the robot."""
     AGENT = "agent"
-    """A program that acts for a person: ask for motion, within the agents' envelope."""
+    """A program that acts for a person, and may ask for motion within the envelope."""
     OPERATOR = "operator"
     """Everything."""
 
@@ -40,16 +40,16 @@ class Role(Enum):
 
 
 class LoginSession:
-    """A browser that has logged in. For one event loop.
+    """A browser that has logged in. Use it in one event loop only.
 
     Args:
         role: Role, which decides on its rights.
-        clock: Ages it.
-        token: The named token that it was opened with, with which it ends.
+        clock: Clock that measures its age.
+        token: The named token with which it was opened, and with which it ends.
 
     Attributes:
-        role: The same.
-        token: The same.
+        role: As given.
+        token: As given.
         cookie: The random value of its cookie.
     """
 
@@ -70,7 +70,7 @@ class LoginSession:
         return self._closed.is_set() or self._clock.now() >= self._expiry
 
     def close(self) -> None:
-        """End the session, and with it the streams that were opened by it."""
+        """End the session and all streams that it has opened."""
         self._closed.set()
 
     async def wait_for_end(self) -> None:
@@ -86,10 +86,10 @@ class Access:
 
     Attributes:
         role: Role, which decides on its rights.
-        session: The browser's session, also when a ticket of that session was shown;
-            None for a token.
-        token: The named token, also behind a session; None for the tokens that the
-            station makes itself.
+        session: The browser's session, also for a ticket of the session; None for a
+            token.
+        token: The named token, also that of a session; None for the station's own
+            tokens.
     """
 
     role: Role
@@ -98,22 +98,22 @@ class Access:
 
     @property
     def name(self) -> str:
-        """Name of the bearer; the role, for tokens that the station makes itself."""
+        """Name of the bearer; for the station's own tokens, the role."""
         return self.role.value if self.token is None else self.token.name
 
     def has_ended(self) -> bool:
-        """Return whether the access was withdrawn; the station's own tokens never."""
+        """Return whether the access has ended; the station's own tokens never end."""
         ends = (self.session, self.token)
         return any(end is not None and end.has_ended() for end in ends)
 
     async def wait_for_end(self) -> None:
-        """Wait until the access is withdrawn; for the station's own tokens, forever."""
+        """Wait until the access ends; for the station's own tokens, for ever."""
         ends = [end.wait_for_end() for end in (self.session, self.token) if end]
         await until_first(*(ends or [_never()]))
 
 
 async def until_first(*ends: Coroutine[Any, Any, object]) -> None:
-    """Wait until the first of some coroutines returns; the others are cancelled."""
+    """Wait until the first of some coroutines returns, and cancel the others."""
     tasks = [asyncio.ensure_future(end) for end in ends]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -127,7 +127,7 @@ async def _never() -> None:
 
 
 class _Tickets:
-    """Random names, each of which proves an access once and for a short time."""
+    """Tickets: random names that prove an access once, for a short time."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
@@ -138,7 +138,7 @@ class _Tickets:
         for name, (_, expiry) in list(self._issued.items()):
             if expiry <= now:
                 del self._issued[name]
-        # Each role has its own share: viewers cannot displace an operator's ticket.
+        # Each role has its own limit, so viewers cannot displace an operator's ticket.
         alike = [n for n, (one, _) in self._issued.items() if one.role is access.role]
         if len(alike) >= MAX_GRANTS:
             del self._issued[alike[0]]
@@ -164,7 +164,7 @@ class _Sessions:
         for session in list(self._open.values()):
             if session.has_ended():
                 self.close(session.cookie)
-        # Each role has its own share: viewers cannot displace an operator's session.
+        # Each role has its own limit, so viewers cannot displace an operator's session.
         alike = [one.cookie for one in self._open.values() if one.role is role]
         if len(alike) >= MAX_GRANTS:
             self.close(alike[0])
@@ -186,13 +186,13 @@ class Authenticator:
     """Checks tokens, cookies and tickets. Used in the server's event loop only.
 
     Args:
-        operator_token: Lets its bearer do everything; random when left out.
-        viewer_token: Lets its bearer look and stop; random when left out.
-        clock: Ages cookies and tickets.
+        operator_token: Token with all rights; None for a random one.
+        viewer_token: Token with the rights to read and to stop; None for a random one.
+        clock: Clock that measures the age of cookies and tickets.
 
     Attributes:
-        operator_token: The token.
-        viewer_token: The token.
+        operator_token: The operator's token.
+        viewer_token: The viewer's token.
         cookie_name: Name of the session cookie; differs between stations, because
             browsers share cookies among the ports of a host.
         named: The named tokens.
@@ -214,7 +214,7 @@ class Authenticator:
         self._tickets = _Tickets(clock)
 
     def role_of_token(self, token: str) -> Role | None:
-        """Return the role of a token, in the same time for every wrong token."""
+        """Return the role of a token; all wrong tokens take the same time."""
         given = token.encode()
         operator = hmac.compare_digest(given, self.operator_token.encode())
         viewer = hmac.compare_digest(given, self.viewer_token.encode())
@@ -235,7 +235,7 @@ class Authenticator:
 
         Args:
             role: Role of the session.
-            token: The named token that opens it.
+            token: The named token that opens the session.
         """
         return self._sessions.open(role, token)
 
@@ -263,7 +263,7 @@ class Authenticator:
     def access_of_headers(self, headers: Mapping[str, str]) -> Access | None:
         """Return the access that a request's headers prove; None when they prove none.
 
-        A bearer token, where there is one, decides alone; the cookie is not looked at.
+        If the headers have a bearer token, the cookie is ignored.
         """
         authorization = headers.get("authorization")
         if authorization is not None:

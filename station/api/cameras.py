@@ -1,4 +1,4 @@
-"""Pictures of cameras: drawn by a process of its own while a client reads them."""
+"""Pictures of cameras, which a separate process draws while a client reads them."""
 
 import asyncio
 import json
@@ -20,12 +20,12 @@ from station.reports import CameraReport
 
 RENDERER = (sys.executable, "-m", "station.app.camera_renderer")
 FIRST_PICTURE = 30.0
-"""Longest wait for a picture: a process starts and reads the meshes of robots [s]."""
+"""Longest wait for a picture [s], because the process must start and read meshes."""
 AGAIN_AFTER = 10.0
-"""After so long a renderer that has failed is tried again [s]."""
+"""Time after which a failed renderer is started again [s]."""
 _ASK_EVERY = 0.5
 _FRESH = 0.5
-"""A picture that is older, and missed its successor, is of an earlier look [s]."""
+"""Age from which a picture is stale, if no newer one has come [s]."""
 _LOOK_EVERY = 0.02
 
 
@@ -46,10 +46,10 @@ class Picture:
     """A picture of a camera.
 
     Attributes:
-        number: Counts the pictures of all cameras.
+        number: Number of the picture; counts those of all cameras.
         stamp: Station time of the picture [s].
-        jpeg: Its file.
-        drawn_at: When it came, on the monotonic clock [s].
+        jpeg: Content of the JPEG file.
+        drawn_at: When the picture came, on the monotonic clock [s].
     """
 
     number: int
@@ -63,7 +63,8 @@ class Cameras:
 
     Args:
         cameras: The cameras by name.
-        assign: Returns where the station is, and its robots; called at each start.
+        assign: Function that returns the station's address and its robots; called at
+            each start of the renderer.
         command: The command line of the renderer.
     """
 
@@ -104,12 +105,12 @@ class Cameras:
 
         Args:
             name: Its name.
-            after: Number of a picture that is too old; when None, pictures drawn
-                within the last period will do.
+            after: Number of a picture; only a later one is returned. None accepts a
+                picture that was drawn within the last period.
 
         Raises:
             CameraNotFoundError: There is no such camera.
-            CameraError: It cannot be drawn, or not in time.
+            CameraError: The picture cannot be drawn, or not in time.
         """
         camera = self._cameras.get(name)
         if camera is None:
@@ -138,7 +139,7 @@ class Cameras:
             await anyio.sleep(_LOOK_EVERY)
 
     def glance(self, name: str) -> Picture | None:
-        """Return the newest picture, if one is fresh, and ask for the next. Event loop.
+        """Return the newest picture if it is fresh, and request the next one.
 
         Args:
             name: Name of a camera.
@@ -152,7 +153,7 @@ class Cameras:
         return newest if newest and newest.drawn_at > fresh else None
 
     async def pictures(self, name: str) -> AsyncIterator[Picture]:
-        """Yield the pictures of a camera, each once, until the camera ends."""
+        """Yield each picture of a camera once, until the camera fails."""
         number = -1
         while True:
             found = await self.picture(name, number)
@@ -160,7 +161,7 @@ class Cameras:
             yield found
 
     def close(self) -> None:
-        """End the process."""
+        """End the renderer's process."""
         with self._lock:
             if self._process is not None:
                 self._process.kill()
@@ -180,11 +181,11 @@ class Cameras:
                     process.stdin.write(f"{name}\n".encode())
                     process.stdin.flush()
                 except (OSError, ValueError):
-                    return  # it has just ended, and is started anew soon
+                    return  # it has just ended, and will be restarted
 
     def _start(self) -> None:
         self._fault = ""
-        # Software draws on all processors unless it is told; the loop needs one.
+        # Limit software rendering to one processor, because the control loop needs one.
         surroundings = {"MUJOCO_GL": "egl", "LP_NUM_THREADS": "1", **os.environ}
         with ordinary_priority():
             self._process = process = subprocess.Popen(
@@ -205,7 +206,7 @@ class Cameras:
         self._reader.start()
 
     def _read(self, process: "subprocess.Popen[bytes]") -> None:
-        """Take pictures from the renderer until it ends."""
+        """Read pictures from the renderer until it ends."""
         fault = ""
         with process:
             while process.stdout is not None and (line := process.stdout.readline()):

@@ -1,7 +1,7 @@
-"""Lease of control: of one operator, which others respect.
+"""The lease of control, by which one operator keeps others from making changes.
 
-A lease is no protection against an operator who means harm: every operator may take it
-by force. It keeps two people from moving the same robot without knowing of each other.
+A lease does not protect against a malicious operator, because every operator may take
+it by force. It keeps two people from moving the same robot without knowing it.
 """
 
 import asyncio
@@ -39,11 +39,11 @@ class Lease:
         owner: Name of the person or program.
         key: Proves the lease; only its holder knows it.
         access: Rights of the holder, and their proof.
-        since: Wall time when the lease began [s since 1970].
+        since: Wall time at which the lease began [s since 1970].
         ttl: How long it lasts after a heartbeat [s], > 0.
-        deadline: When it ends without a heartbeat [s, monotonic].
+        deadline: When the lease ends without a heartbeat [s, monotonic].
         heir: Name of the client that may take over without force; None without one.
-        commanded: Names of the controllers that were commanded under the lease.
+        commanded: Names of the controllers commanded under the lease.
     """
 
     owner: str
@@ -58,15 +58,15 @@ class Lease:
     def yields_to(self, access: Access) -> bool:
         """Return whether an agent holds control and the caller is a person.
 
-        A person always has priority: an agent's lease ends when a person commands.
+        A person has priority: an agent's lease ends when a person makes a change.
         """
         return self.access.role is Role.AGENT and access.role is Role.OPERATOR
 
     def is_held_by(self, access: Access, key: str | None) -> bool:
         """Return whether a request comes from the holder.
 
-        A named token and a browser's session are one person's; the station's own tokens
-        may be shared, so that with them the key alone tells.
+        A named token or a browser's session belongs to one person. The station's own
+        tokens may be shared, so for them the key decides.
         """
         mine = self.access
         if key is not None and hmac.compare_digest(key.encode(), self.key.encode()):
@@ -77,16 +77,16 @@ class Lease:
 
 
 class Control:
-    """The lease of control, if anybody holds it. Any thread.
+    """The lease of control, held by one client or none. Any thread.
 
     Args:
         log: Records the changes of the lease.
-        let_go: Called with the names of the controllers that a former owner commanded,
-            and a sentence with the reason, when the lease was taken by force or has
-            expired: their motions are held.
+        let_go: Function that holds controllers. When the lease was taken by force or
+            has expired, it is called with the names of the controllers that the former
+            owner commanded, and a sentence with the reason.
         now: Monotonic clock [s].
-        rehearsed: Called before a command of motion, with `is_agent`; raises when it
-            has to be rehearsed and is not.
+        rehearsed: Called before a motion, with `is_agent`; raises an error if the
+            motion needs a rehearsal and has none.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class Control:
         return self._lease
 
     def look(self) -> None:
-        """End the lease when its time is over, or its owner's token was revoked."""
+        """End the lease if it has expired or its owner's token was revoked."""
         with self._lock:
             lease = self._lease
             if lease is None:
@@ -128,13 +128,13 @@ class Control:
         self._tell()
 
     def check(self, access: Access, key: str | None) -> None:
-        """Refuse a change by anybody but the owner, while there is one.
+        """Refuse a change if another client holds control.
 
         A person's change ends an agent's lease; an agent needs a lease for any change.
 
         Args:
             access: Rights of the caller.
-            key: The lease that the request names; None without one.
+            key: Key of the lease that the request names; None without one.
 
         Raises:
             ControlHeldError: Another client holds control.
@@ -162,11 +162,11 @@ class Control:
         self._tell()
 
     def name_of(self, access: Access, key: str | None) -> str:
-        """Return the name of a caller, e.g. `ada (operator)` for the holder of control.
+        """Return the name of a caller: for the holder of control e.g. `ada (operator)`.
 
         Args:
             access: Rights of the caller.
-            key: The lease that the request names; None without one.
+            key: Key of the lease that the request names; None without one.
         """
         lease = self.present()
         if lease is None or not lease.is_held_by(access, key):
@@ -191,21 +191,21 @@ class Control:
         force: bool = False,
         origin: Origin,
     ) -> Lease:
-        """Take control, or keep it: the owner's call is a heartbeat.
+        """Take control; a call by the owner is a heartbeat.
 
         Args:
             access: Rights of the caller.
-            key: The lease that the request names; None without one.
+            key: Key of the lease that the request names; None without one.
             owner: Name of the person or program.
             ttl: How long the lease lasts without a heartbeat [s], > 0.
-            force: Take the lease from its holder, also from an owner who offers
-                it; the former owner's motions are held. An agent's lease is taken
-                without it, and an agent may not use it.
+            force: Whether to take the lease from its holder, even if the holder offers
+                it; the former owner's motions are then held. A person needs no force to
+                take an agent's lease, and an agent may not use force.
             origin: Caller, and the caller's address.
 
         Raises:
             ControlHeldError: Another client holds control and `force` is false, or an
-                agent uses it.
+                agent uses force.
         """
         with self._lock:
             if force and access.role is Role.AGENT:
@@ -221,7 +221,8 @@ class Control:
             if before is not None and before.is_held_by(access, key):
                 self._lease = replace(before, owner=owner, ttl=ttl, deadline=deadline)
                 return self._lease
-            # By force, an heir takes control as anybody does: what moves is held.
+            # An heir who uses force takes control like any other client: motions are
+            # held.
             is_heir = (
                 before is not None and not force and before.heir in {owner, access.name}
             )
@@ -232,7 +233,8 @@ class Control:
                 owner, secrets.token_urlsafe(24), access, time.time(), ttl, deadline
             )
             if before is not None and is_heir:
-                # What moves goes on under the heir, and is held when the heir loses it.
+                # Motions go on under the heir, and are held when the heir loses
+                # control.
                 self._lease.commanded.update(before.commanded)
             if before is None:
                 text, result = f"{owner} has taken control.", "taken"
@@ -256,14 +258,14 @@ class Control:
         heir: str | None,
         origin: Origin,
     ) -> Lease:
-        """Send a heartbeat; with `heir` name who may take over without force.
+        """Renew the lease; `heir` may take over without force.
 
         Args:
             access: Rights of the caller.
-            key: The lease that the request names; None without one.
-            ttl: How long the lease lasts from now on without a heartbeat [s]; as before
-                when None.
-            heir: Name of the person or of the named token; as before when None.
+            key: Key of the lease that the request names; None without one.
+            ttl: How long the lease lasts from now on without a heartbeat [s]; None
+                keeps the time.
+            heir: Name of the person or of the named token; None keeps the heir.
             origin: Caller, and the caller's address.
 
         Raises:
@@ -285,11 +287,11 @@ class Control:
             return self._lease
 
     async def keep(self, access: Access, key: str | None) -> None:
-        """Send heartbeats for a caller until cancelled, or until control is lost.
+        """Renew the lease of a caller until cancelled, or until control is lost.
 
         Args:
             access: Rights of the caller.
-            key: The lease that the request names; None without one.
+            key: Key of the lease that the request names; None without one.
         """
         while (lease := self.present()) and lease.is_held_by(access, key):
             with self._lock:
@@ -321,24 +323,25 @@ class Control:
         *,
         is_bounded: bool = False,
     ) -> Iterator[None]:
-        """Give a set-point in the body of a `with`, which must not wait.
+        """Allow a set-point in the body of a `with`, which must not wait.
 
-        Control changes hands before the body or after it, never within: a set-point
-        that was under way when control was taken is refused, and one that came before
-        expires with the others. The controller is noted, to hold it if control is lost.
+        Control changes hands before the body or after it, never within. So a set-point
+        that arrives after a loss of control is refused, and one that came before is
+        held with the others. The controller is noted, to hold it if control is lost.
 
         Args:
             access: Rights of the caller.
-            key: The lease that the request names; None without one.
+            key: Key of the lease that the request names; None without one.
             controller: Name of the controller.
-            is_bounded: Whether the station itself chooses the way and bounds it, as the
-                bench does: there is nothing to rehearse.
+            is_bounded: Whether the station itself chooses and bounds the motion, as the
+                bench does, so that it needs no rehearsal.
 
         Raises:
             ControlHeldError: Another client holds control.
-            RehearsalNeededError: The caller's motions have to be rehearsed.
+            RehearsalNeededError: The caller's motions need a rehearsal.
         """
-        # Every door goes through here: the API, its streams, and the tool ports.
+        # All set-points pass here: those of the API, of its streams, and of the tool
+        # ports.
         if not is_bounded:
             self._rehearsed(is_agent=access.role is Role.AGENT)
         with self._lock:
@@ -356,29 +359,30 @@ class Control:
         *,
         is_bounded: bool = False,
     ) -> None:
-        """Admit a goal or a trajectory, before it is planned and again afterwards.
+        """Check a goal or a trajectory, before it is planned and again afterwards.
 
-        The controller is noted: whoever takes control by force meanwhile ends what was
-        given before, and the second call refuses what comes later.
+        The first call notes the controller. A client that takes control by force in
+        between ends earlier goals of the controller, and the second call refuses this
+        one.
 
         Args:
             access: Rights of the caller.
-            key: The lease that the request names; None without one.
+            key: Key of the lease that the request names; None without one.
             controller: Name of the controller.
-            is_bounded: Whether the station itself chooses the way and bounds it, as the
-                bench does: there is nothing to rehearse.
+            is_bounded: Whether the station itself chooses and bounds the motion, as the
+                bench does, so that it needs no rehearsal.
 
         Raises:
             ControlHeldError: Another client holds control.
-            RehearsalNeededError: The caller's motions have to be rehearsed.
+            RehearsalNeededError: The caller's motions need a rehearsal.
         """
         with self.commanding(access, key, controller, is_bounded=is_bounded):
             pass
 
     def listen(self, changed: Callable[[], None]) -> Callable[[], None]:
-        """Call `changed` at every change of control; return a function that ends this.
+        """Call `changed` at every change of control; return a function to end this.
 
-        It may be called in any thread and must return at once.
+        Any thread may call `changed`; it must return at once.
         """
         key = object()
         with self._lock:

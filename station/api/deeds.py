@@ -1,9 +1,9 @@
-"""The words for what a request has done, or could not do, and marks in plots for it."""
+"""Describe the effect of a request in words, and as a mark in plots."""
 
 import re
 
-# Method and route, the verb of a refusal, the verb of a deed, and its object; `*` is a
-# part of the path, which `{0}` and `{1}` name. The first route that fits counts.
+# Method and route, verb for a refusal, verb for a success, and object. `*` matches a
+# part of the path, to which `{0}` and `{1}` refer. The first matching route counts.
 _DEEDS = (
     ("POST /stop", "stop", "stopped", "the robot"),
     ("POST /stop/release", "release", "released", "the stop, or allowed motion"),
@@ -77,9 +77,9 @@ def words_of(what: str, who: str, result: str, *, is_done: bool) -> str:
     """Return a sentence about a request.
 
     Args:
-        what: Its method and route.
-        who: Person or program that sent it.
-        result: How it ended.
+        what: Method and route of the request.
+        who: Person or program that sent the request.
+        result: Status and code of the answer.
         is_done: Whether it was carried out.
     """
     for route, verb, past, thing in _WORDS:
@@ -93,10 +93,10 @@ def words_of(what: str, who: str, result: str, *, is_done: bool) -> str:
 
 
 def mark_of(what: str) -> str | None:
-    """Return the mark in plots for a request that was carried out; None for no mark.
+    """Return the mark in plots for a request that was carried out; None without one.
 
     Args:
-        what: Its method and route.
+        what: Method and route of the request.
     """
     for route, mark in _MARKED:
         found = route.fullmatch(what)

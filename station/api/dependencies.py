@@ -64,7 +64,7 @@ async def access(
     services: ServicesDep,
     _: Annotated[object, Security(_bearer)] = None,
 ) -> Access:
-    """Return the caller's access and the proof of it.
+    """Return the rights of the caller, and their proof.
 
     Raises:
         ProblemError: The request has no valid token and no valid session.
@@ -100,11 +100,11 @@ RoleDep = Annotated[Role, Depends(viewer)]
 async def operator_anyway(
     request: Request, role: RoleDep, access: AccessDep, services: ServicesDep
 ) -> Role:
-    """Return the role of a caller who may change things, regardless of control.
+    """Return the role of a caller who may make changes, regardless of control.
 
     Raises:
-        ProblemError: The caller is a viewer, or an agent that asks for what agents may
-            not do, or the request comes too late.
+        ProblemError: The caller is a viewer, an agent that may not call the operation,
+            or the request comes too late.
     """
     if role is Role.AGENT:
         services.agents.check(request.scope["route"].name, access)
@@ -137,18 +137,20 @@ async def operator(
     access: AccessDep,
     services: ServicesDep,
 ) -> Role:
-    """Return the role of a caller who may change things now.
+    """Return the role of a caller who may make changes now.
 
     Raises:
         ControlHeldError: Another client holds control.
         ControlNotHeldError: The caller is an agent without a lease.
         RehearsalNeededError: The caller is an agent whose motion has no certificate.
-        CertificateNotFoundError: The certificate of an agent's motion is used up.
+        CertificateNotFoundError: The certificate of an agent's motion is unknown,
+            expired or used up.
         CertificateVoidError: The certificate of an agent's motion is void.
     """
     services.control.check(access, request.headers.get(LEASE_HEADER))
     if role is Role.AGENT and request.scope["route"].name in REHEARSED:
-        # Nobody is asked for what would be refused afterwards.
+        # Check the certificate before a person is asked, so that no allowed request is
+        # refused afterwards.
         certificate = request.query_params.get("certificate")
         await run_in_threadpool(services.rehearsals.check_agent, certificate)
     return role
@@ -163,23 +165,24 @@ async def leave(request: Request, access: AccessDep, services: ServicesDep) -> L
 
     async def wait() -> None:
         if access.role is Role.AGENT:
-            # An agent that waits for a person's answer sends no heartbeat.
+            # Renew the agent's lease, because an agent that waits for an answer sends
+            # no heartbeat.
             keeping = asyncio.create_task(services.control.keep(access, key))
             try:
                 await services.agents.admit(request, access, origin_of(request))
             finally:
                 keeping.cancel()
-            # A person may have taken control meanwhile.
+            # A person may have taken control in the meantime.
             services.control.check(access, key)
 
     return wait
 
 
 def with_leave(operation: Callable[..., object]) -> Callable[..., Any]:
-    """Return an operation that waits for a person's leave if an agent asks for it.
+    """Return an operation that waits until a person allows it, if an agent calls it.
 
-    It waits when the whole request has been read. In a dependency it would wait before
-    that, and a person would be asked for what is refused as malformed.
+    It waits after the whole request is read. In a dependency it would wait earlier, and
+    a person would be asked about requests that are malformed.
 
     Args:
         operation: A function that a worker thread runs.
@@ -206,14 +209,14 @@ OperatorAnyway = Depends(operator_anyway)
 def refuse_late(
     headers: Mapping[str, str], now: Callable[[], float] = time.time
 ) -> None:
-    """Refuse a request that comes too late to be begun.
+    """Refuse a request that comes too late.
 
     Args:
-        headers: Those of the request; without `X-Not-After` it is never too late.
+        headers: Headers of the request; without `X-Not-After` it is never too late.
         now: Wall clock [s since 1970].
 
     Raises:
-        ProblemError: The request comes too late, or the header is no number.
+        ProblemError: The request comes too late, or the header is not a number.
     """
     told = headers.get(NOT_AFTER_HEADER)
     if told is None:

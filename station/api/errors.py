@@ -1,4 +1,4 @@
-"""From exceptions to HTTP: every refusal is a problem document (RFC 9457)."""
+"""Turn exceptions into HTTP answers: every refusal is a problem document (RFC 9457)."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -42,7 +42,7 @@ from station.wire import PROBLEM_MEDIA_TYPE
 
 MAX_ERRORS = 20
 PROBLEM_CODE = "problem_code"
-"""Key in the scope's state of the code of a refusal, for the audit."""
+"""Key in the scope's state for the code of a refusal, for the audit."""
 
 STATUS: Mapping[type[errors.StationError], int] = {
     errors.StationError: 500,
@@ -123,7 +123,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     ControlHeldError: 423,
     ControlNotHeldError: 409,
 }
-"""HTTP status of each kind of error; a kind that is missing gets its parent's."""
+"""HTTP status of each class of error; other classes get that of their base class."""
 
 ROUTES: Mapping[str, str] = {
     "bench_run_not_found": "GET /api/v1/bench-runs lists the runs.",
@@ -155,7 +155,8 @@ ROUTES: Mapping[str, str] = {
     "stopped": "POST /api/v1/stop/release releases the stop, and once more with "
     '{"arm": true} allows motion.',
 }
-"""The route that helps with a kind of error, by its code; core knows no routes."""
+"""The route that helps with an error, by the error's code, because the core knows no
+routes."""
 
 HTTP_REMEDIES: Mapping[int, str] = {
     400: "Send a JSON body as /docs describes it.",
@@ -165,7 +166,7 @@ HTTP_REMEDIES: Mapping[int, str] = {
 
 
 class ProblemResponse(Response):
-    """A problem document; notes its code in the scope, for the audit.
+    """An answer with a problem document; notes its code in the scope for the audit.
 
     Args:
         code: Stable machine-readable name.
@@ -189,7 +190,8 @@ class ProblemResponse(Response):
 class ProblemError(HTTPException):
     """A refusal that the API itself decides on.
 
-    An HTTPException, because the framework lets only those out of reading a body.
+    It is an HTTPException, because the framework passes only these on while it reads a
+    body.
 
     Args:
         status: HTTP status.
@@ -232,7 +234,7 @@ def problem_response(
     details: Mapping[str, object] | None = None,
     headers: Mapping[str, str] | None = None,
 ) -> Response:
-    """Return a problem document; numbers that are not finite become null in it."""
+    """Return an answer with a problem document, with null for non-finite numbers."""
     body: dict[str, object] = {
         "type": f"urn:control-station:problem:{code}",
         "title": code.replace("_", " ").capitalize(),
@@ -255,7 +257,7 @@ def status_of(kind: type[errors.StationError]) -> int:
 
 
 def station_error_response(error: errors.StationError) -> Response:
-    """Return the problem document of a refusal by the station, word by word."""
+    """Return the problem document of a refusal by the station, with its own words."""
     details = dict(error.details)
     listed = details.pop("errors", None)
     field_errors = [
@@ -277,7 +279,7 @@ def station_error_response(error: errors.StationError) -> Response:
 
 
 def _remedy(error: errors.StationError) -> str:
-    """Return the error's remedy and the route that carries it out."""
+    """Return the error's remedy, and the route that carries out the remedy."""
     parts = (error.remedy, ROUTES.get(error.code), _configuration_line(error))
     return " ".join(part for part in parts if part) or "See the detail."
 
@@ -293,7 +295,7 @@ def _configuration_line(error: errors.StationError) -> str | None:
 
 
 def validation_response(error: RequestValidationError) -> Response:
-    """Return the problem document of a malformed request: every field, its value."""
+    """Return the problem document of a malformed request, with all wrong fields."""
     found = error.errors()
     fields = [
         {
@@ -332,7 +334,7 @@ def _shown(value: object) -> str:
 
 
 def _digits(value: int) -> str:
-    # repr of a huge integer is slow, and refused beyond 4300 digits.
+    # `repr` of a huge integer is slow, and raises an error beyond 4300 digits.
     return repr(value) if value.bit_length() <= 256 else "an enormous integer"
 
 
@@ -363,7 +365,8 @@ def add_error_handlers(app: FastAPI) -> None:
 
     @app.exception_handler(Exception)
     async def _unexpected(request: Request, error: Exception) -> Response:
-        # The server logs the traceback: the error is raised again after this.
+        # The framework raises the error again afterwards, so the server logs the
+        # traceback.
         return problem_response(
             500,
             "internal_error",
@@ -376,9 +379,9 @@ def add_error_handlers(app: FastAPI) -> None:
 def _allowed(request: Request) -> dict[str, str]:
     """Return the Allow header of a path, with the methods of all its routes.
 
-    The framework knows the methods of the first route that matches the path. A path
-    without parameters, as `/controllers/switch`, has its own methods only, not those
-    of the controller that might have that name.
+    The framework only knows the methods of the first route that matches the path. A
+    path without parameters, e.g. `/controllers/switch`, has only its own methods, not
+    those of a controller of that name.
     """
     paths: dict[str, set[str]] = request.app.methods_by_path()
     if request.url.path in paths:
@@ -393,7 +396,7 @@ def _allowed(request: Request) -> dict[str, str]:
 
 
 def _http_remedy(request: Request, status: int) -> str:
-    """Return the remedy; for an unknown path, with the paths that resemble it."""
+    """Return the remedy; for an unknown path it names similar paths."""
     remedy = HTTP_REMEDIES.get(status, "See /docs.")
     if status != 404:
         return remedy

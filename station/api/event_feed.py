@@ -1,4 +1,4 @@
-"""Server-sent events: the event log for programs and pages that follow it over HTTP."""
+"""Server-sent events: let programs and pages follow the event log over HTTP."""
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection
@@ -13,16 +13,16 @@ MEDIA_TYPE = "text/event-stream"
 MOST_FOLLOWERS = 16
 """Most followers at a time; each keeps a connection."""
 KEEP_ALIVE = 15.0
-"""Longest silence on a connection [s]; then a comment is sent."""
+"""Longest silence on a connection before a comment is sent [s]."""
 PAGE = 200
 """Most events that are read at once."""
 
 
 class EventFeed:
-    """Lets clients follow the event log. For one event loop.
+    """Lets clients follow the event log. Use it in one event loop only.
 
-    Nothing is queued for a client: each one is read to from where it is, in memory or
-    on disk, so that a slow client misses nothing and costs nothing.
+    It queues nothing for a client, but reads the events after the client's last one
+    from memory or disk. So a slow client misses no event and costs no memory.
 
     Args:
         log: The event log.
@@ -42,8 +42,8 @@ class EventFeed:
         """Return events, oldest first; the event loop never waits for the disk.
 
         Args:
-            since: Number of the last event that the client has; the newest events when
-                None.
+            since: Number of the last event that the client has; None for the newest
+                events.
             limit: Most events, >= 1.
             kinds: Kinds of the events; all when empty.
             severity: Least severity of the events.
@@ -68,10 +68,11 @@ class EventFeed:
         """Return the lines of a stream that follows the log.
 
         Args:
-            since: Number of the last event that the client has; from now on when None.
+            since: Number of the last event that the client has; None for new events
+                only.
             kinds: Kinds of the events; all when empty.
             severity: Least severity of the events.
-            end: Returns when the stream has to end.
+            end: Returns when the stream must end.
 
         Raises:
             ProblemError: There are too many followers.
@@ -123,7 +124,7 @@ class EventFeed:
     async def _wait(
         self, news: asyncio.Event, ending: "asyncio.Future[object]"
     ) -> bool:
-        """Wait for news or the end; return False when neither came for long."""
+        """Wait for news or the end; return False if neither comes in `KEEP_ALIVE`."""
         waiting: asyncio.Future[object] = asyncio.ensure_future(news.wait())
         ends: set[asyncio.Future[object]] = {waiting, ending}
         done, _ = await asyncio.wait(

@@ -32,8 +32,8 @@ class Guard:
 
     Args:
         app: The application that gets all other requests.
-        policy: Judges Host and Origin.
-        max_body: Largest request body [bytes], but for an uploaded file.
+        policy: Decides on Host and Origin headers.
+        max_body: Largest request body [bytes], except for an uploaded file.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Guard:
         self._max_body = max_body
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a refused request; pass every other one on."""
+        """Answer a refused request; pass every other request on."""
         if scope["type"] == "websocket":
             await self._websocket(scope, receive, send)
         elif scope["type"] == "http":
@@ -57,7 +57,7 @@ class Guard:
         if refused is None:
             await self._app(scope, receive, send)
             return
-        # A browser sees close codes only of a connection that was accepted.
+        # A browser sees the close code only of an accepted connection.
         await receive()
         await send({"type": "websocket.accept"})
         reason = refused.detail[:120]
@@ -98,7 +98,7 @@ class Guard:
                 f"The station does not answer under the name {host!r:.80}.",
                 "Use localhost, its numeric address, or a name it is configured for.",
             )
-        # Reading, too: a page elsewhere that got hold of a token learns nothing by it.
+        # Refuse even reads, so that a foreign page that has got a token cannot use it.
         if not self._policy.allows_origin(origin, host):
             return ProblemError(
                 403,

@@ -1,7 +1,7 @@
-"""Requests that may be sent twice and are carried out once: `Idempotency-Key`.
+"""`Idempotency-Key`: a request that is sent twice is carried out once.
 
 A client that has lost the connection cannot know whether its request was carried out.
-It sends the request again with the same key, and gets the answer of the first one.
+It sends the request again with the same key, and gets the answer to the first request.
 """
 
 import asyncio
@@ -29,7 +29,7 @@ from station.wire.protocol import KEY_HEADER, REPLAYED_HEADER
 LIFETIME = 600.0
 """How long an answer is kept [s]."""
 MOST_KEYS = 1024
-"""Most answers that are kept; beyond, the oldest are forgotten first."""
+"""Most answers that are kept; beyond it, the oldest are deleted first."""
 KEY_PATTERN = r"^[!-~]{1,200}$"
 """A key is 1 to 200 visible ASCII characters."""
 
@@ -47,11 +47,11 @@ async def idempotency_key(
         ),
     ] = None,
 ) -> None:
-    """Declare the header; `IdempotentRoute` reads it before the request is read."""
+    """Declare the header, which `IdempotentRoute` reads before the request."""
 
 
 Idempotent = Depends(idempotency_key)
-"""Dependency of a route whose requests are carried out once for each key."""
+"""Dependency of a route that carries out one request for each key."""
 
 
 @dataclass(eq=False, slots=True)
@@ -63,7 +63,7 @@ class _Kept:
         what: Method and path.
         began: When the request came [s, monotonic].
         answer: The answer; None while the request is being carried out.
-        ended: Set when it is over, with or without an answer that is kept.
+        ended: Set when the request has ended, with or without a kept answer.
     """
 
     fingerprint: bytes
@@ -74,7 +74,7 @@ class _Kept:
 
 
 class IdempotentAnswers:
-    """The answers that are kept for repetitions. For one event loop.
+    """The answers that are kept for repetitions. Use it in one event loop only.
 
     Args:
         now: Monotonic clock [s].
@@ -94,17 +94,17 @@ class IdempotentAnswers:
         request: Request,
         carry_out: Callable[[], Awaitable[Response]],
     ) -> Response:
-        """Carry a request out, or return the answer that the first one of its key got.
+        """Carry a request out, or return the answer to the first request with its key.
 
         A repetition that comes while the first request is being carried out waits for
-        its end. Refusals by the station are answers like others; a request that was
-        refused before it began (malformed, not permitted) leaves nothing behind.
+        its end. The answer may be a refusal by the station. No answer is kept of a
+        request that is refused before it begins (malformed, not permitted).
 
         Args:
-            who: Name of the caller; each caller has keys of its own.
+            who: Name of the caller, because each caller has keys of its own.
             key: The key.
             request: The request.
-            carry_out: Carries the request out.
+            carry_out: Function that carries the request out.
 
         Raises:
             ProblemError: The key was used for another request.
@@ -136,16 +136,17 @@ class IdempotentAnswers:
             is_too_much = len(self._kept) >= MOST_KEYS
             if kept.began > oldest and not is_too_much:
                 return
-            # Forgetting a request that is being carried out would carry it out twice.
+            # Keep requests that are being carried out: without them a repetition would
+            # be carried out, too.
             if kept.answer is not None:
                 del self._kept[name]
 
 
 async def _answer_of(carry_out: Callable[[], Awaitable[Response]]) -> Response:
-    """Return the answer, also that of a refusal by the station.
+    """Return the answer, even if it is a refusal by the station.
 
     Raises:
-        ControlHeldError: Nothing has begun; the request may be sent again.
+        ControlHeldError: Nothing has begun, so the request may be sent again.
     """
     try:
         return await carry_out()
@@ -173,7 +174,7 @@ def _reused(key: str, what: str) -> ProblemError:
 
 
 async def _read(request: Request) -> Request:
-    """Return the request with its body to be read, although this has read it."""
+    """Read the body of a request; return a request whose body can be read again."""
     parts: list[Message] = [{"type": "http.request", "body": await request.body()}]
 
     async def receive() -> Message:
@@ -183,7 +184,7 @@ async def _read(request: Request) -> Request:
 
 
 class IdempotentRoute(JsonRoute):
-    """A route that carries out each request with a key once, if it is `Idempotent`."""
+    """A route that carries out each key's request once, if it is `Idempotent`."""
 
     @override
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
@@ -195,7 +196,8 @@ class IdempotentRoute(JsonRoute):
             key = request.headers.get(KEY_HEADER)
             services = services_of(request)
             access = services.authenticator.access_of_headers(request.headers)
-            # Whoever may not ask, or has no proper key, is refused as without one.
+            # Without rights or with a malformed key, handle the request as one without
+            # a key, which refuses it.
             if key is None or re.fullmatch(KEY_PATTERN, key) is None:
                 return await handle(request)
             if access is None or not access.role.includes(Role.OPERATOR):

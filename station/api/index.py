@@ -1,6 +1,6 @@
-"""The addresses at `/` and the page `/docs`, for visitors who look for the API.
+"""The addresses at `/` and the page `/docs`, for people who look for the API.
 
-No token is needed, and nothing is said about the robot.
+They need no token, and contain nothing about the robot.
 """
 
 from importlib.resources import files
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 router = APIRouter(include_in_schema=False)
 _STREAMS = asyncapi.document()
 REVALIDATED = {"Cache-Control": "no-cache"}
-"""A browser may keep the documents, and asks whether they are still the same."""
-# The page of `fastapi-offline`, which has the files, is not used: its inline script
-# would need a weaker content security policy.
+"""A browser may cache the documents, but must ask whether they have changed."""
+# `fastapi-offline` provides the files, but its page is not used: the page's inline
+# script would need a weaker content security policy.
 POLICY = (
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
@@ -84,20 +84,20 @@ async def openapi_document(request: Request) -> Response:
 
 @router.get(f"{PREFIX}/asyncapi.json")
 async def streams_document(response: Response) -> dict[str, object]:
-    """Return the AsyncAPI document, which needs no token, as the OpenAPI document."""
+    """Return the AsyncAPI document; it needs no token."""
     response.headers.update(REVALIDATED)
     return _STREAMS
 
 
 @router.get("/docs")
 async def docs() -> Response:
-    """Return the page; it needs no token, trying things out does."""
+    """Return the page; it needs no token, but trying out operations does."""
     return HTMLResponse(PAGE, headers={"Content-Security-Policy": POLICY})
 
 
 @router.get("/docs/start.js")
 async def start() -> Response:
-    """Return the script that opens the document."""
+    """Return the script with which the page opens the document."""
     return Response(START, media_type="text/javascript")
 
 

@@ -1,4 +1,4 @@
-"""Routes that read their JSON fast: parsing holds the interpreter and so the loop."""
+"""Routes that parse JSON fast, because parsing delays the control loop."""
 
 import json
 from collections.abc import Callable, Coroutine
@@ -17,46 +17,48 @@ from station.api.errors import ProblemError
 from station.api.services import services_of
 
 MOST_VALUES = 20_000
-"""Values in one body: members, items, objects and lists; 10,000 numbers of a trajectory
-with a point for every seven are 16,000. Each costs up to 0.3 us in which no other
-request is served, STOP neither: the whole body at most some 10 ms."""
+"""Most values in one body: members, items, objects and lists. A trajectory with 10,000
+numbers, seven per point, has 16,000 values. Each value costs up to 0.3 us in which no
+other request is served, not even a stop; the whole body takes 10 ms at most."""
 MOST_MEMBERS = 1000
-"""Members of one object: refusing an unknown one costs 4 us, more than any other."""
+"""Most members of one object: refusing an unknown member costs 4 us, more than any
+other check."""
 MOST_LEVELS = 200
-"""Objects and lists within each other, which Python's parser takes one call each."""
+"""Most levels of nested objects and lists, because Python's parser needs a call for
+each level."""
 
 
 class JsonRequest(Request):
-    """A request whose body is parsed strictly (NaN is no JSON) and fast."""
+    """A request whose body is parsed fast, and strictly: JSON has no NaN."""
 
     @override
     async def json(self) -> Any:
         """Return the parsed body.
 
         Raises:
-            json.JSONDecodeError: The body is no JSON.
-            ProblemError: The body has more than a request may have, or a key twice in
-                one object.
+            json.JSONDecodeError: The body is not JSON.
+            ProblemError: The body has too many values, or an object has the same key
+                twice.
         """
         text = await self.body()
         body = orjson.loads(text)
         members = _check_values(body)
-        # orjson keeps the last member of a name, and cannot tell that there were two.
-        # Python's parser can, in ten times the time: it reads only what has more
-        # colons than members, which texts with colons have too.
+        # orjson keeps the last member of a name, and does not report two of the same
+        # name. Python's parser does, but takes ten times longer, so it reads only
+        # bodies with more colons than members. Texts with colons are among these.
         if text.count(b":") > members:
             json.loads(text, object_pairs_hook=_check_names)
         return body
 
 
 class QueryRoute(APIRoute):
-    """A route that refuses parameters that its query does not have."""
+    """A route that refuses unknown parameters of its query."""
 
     @override
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         handle = super().get_route_handler()
         known = _query_of(self.dependant)
-        # A misspelt certificate must not be given, nor a misspelt filter taken.
+        # A misspelt parameter must not be ignored, e.g. a certificate or a filter.
         if not _depends_on_access(self.dependant):
             return handle
         if not known and self.methods == {"GET"}:
@@ -65,7 +67,7 @@ class QueryRoute(APIRoute):
         async def handle_query(request: Request) -> Response:
             unknown = request.query_params.keys() - known
             authenticator = services_of(request).authenticator
-            # A stranger is not told which parameters there are.
+            # Only an authenticated caller learns the names of the parameters.
             if unknown and authenticator.access_of_headers(request.headers):
                 raise _unknown_query(sorted(unknown), known)
             return await handle(request)
@@ -76,8 +78,8 @@ class QueryRoute(APIRoute):
 class JsonRoute(QueryRoute):
     """A route that gets `JsonRequest`s, and refuses bodies that are not JSON.
 
-    The framework reads a body before it asks who sent it. Where a token is needed, the
-    body of a stranger is not read: it would cost the station time.
+    The framework reads a body before it checks the token. This route does not read the
+    body of a request without a valid token, which would cost the station time.
     """
 
     def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:  # noqa: ANN401 - those of the framework
@@ -160,7 +162,7 @@ def _depends_on_access(dependant: Dependant) -> bool:
 
 
 def _query_of(dependant: Dependant) -> frozenset[str]:
-    """Return the names of the parameters that a route takes in its query."""
+    """Return the names of the query parameters of a route."""
     names = {field.alias for field in dependant.query_params}
     return frozenset(names).union(*map(_query_of, dependant.dependencies))
 

@@ -1,8 +1,8 @@
-"""The station's figures for Prometheus, gathered when they are asked for.
+"""Figures of the station for Prometheus, collected when they are requested.
 
-Nothing is counted in the control thread for them. Counters are numbers that the station
-keeps anyway and never resets, so that a reset of the statistics does not turn them
-back. Figures that a reset does begin anew (percentiles) are gauges.
+The control thread does no extra work for them. Counters are numbers that the station
+keeps anyway and never resets, so a reset of the statistics does not set them back.
+Figures that a reset clears (percentiles) are gauges.
 """
 
 from collections.abc import Iterable, Iterator
@@ -53,7 +53,7 @@ class StationCollector(Collector):
 
     @override
     def collect(self) -> Iterable[Metric]:
-        """Return all figures as they are now."""
+        """Return the present values of all figures."""
         yield from self._station_figures()
         yield from self._loop_figures()
         yield from self._controller_figures()
@@ -198,7 +198,8 @@ class StationCollector(Collector):
 
 
 def _statistics(name: str, text: str, *labels: str) -> GaugeMetricFamily:
-    # Not `quantile`: that label is for summaries, whose sums a reset may not take back.
+    # The label `quantile` is for summaries, whose sums must not be reset, so this label
+    # has another name.
     return GaugeMetricFamily(name, text, labels=[*labels, "statistic"])
 
 

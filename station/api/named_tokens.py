@@ -1,7 +1,7 @@
-"""Tokens of people and programs: named, revocable, and valid for a time.
+"""Tokens of people and programs, which have names, can be revoked, and may expire.
 
-Disk and memory have the SHA-256 of each token only. A token is 256 random bits, so its
-hash can be neither guessed nor turned back, and needs no salt.
+Disk and memory hold only the SHA-256 of each token. A token has 256 random bits, so it
+cannot be guessed from its hash, which needs no salt.
 """
 
 import asyncio
@@ -25,13 +25,13 @@ MOST_TOKENS = 256
 _LARGEST = 1_000_000
 """Largest file of tokens that is read [bytes]."""
 LOOK_PERIOD = 1.0
-"""Longest time between two looks whether a token has expired [s]."""
+"""Longest time between two checks whether a token has expired [s]."""
 RESERVED = frozenset({"operator", "viewer"})
 """Names of the tokens that the station makes itself."""
 
 
 class TokenExistsError(StationError, ValueError):
-    """There is a token of that name, or there are too many."""
+    """There is already a token of that name, or there are too many tokens."""
 
     code = "token_exists"
 
@@ -50,14 +50,14 @@ class TokensNotKeptError(StationError, OSError):
 
 @dataclass(eq=False, slots=True)
 class NamedToken:
-    """A token as the station knows it. For one event loop.
+    """A token as the station keeps it. Use it in one event loop only.
 
     Attributes:
         name: Owner of the token.
-        role: `operator` or `viewer`.
+        role: `operator`, `viewer` or `agent`.
         digest: SHA-256 of the token, hexadecimal.
         created: Wall time when it was made [s since 1970].
-        expires: Wall time when it ends [s since 1970]; None when it does not.
+        expires: Wall time when it expires [s since 1970]; None if it does not expire.
     """
 
     name: str
@@ -84,7 +84,7 @@ class NamedToken:
 
 
 class NamedTokens:
-    """The named tokens of a station. For one event loop.
+    """The named tokens of a station. Use it in one event loop only.
 
     Args:
         path: File of the tokens, readable by the station's user only; None keeps them
@@ -92,7 +92,7 @@ class NamedTokens:
         now: Wall time [s since 1970].
 
     Raises:
-        TokensNotKeptError: The file is there and cannot be read.
+        TokensNotKeptError: The file exists but cannot be read.
     """
 
     def __init__(
@@ -101,23 +101,23 @@ class NamedTokens:
         self._path = path
         self._now = now
         self._tokens: dict[str, NamedToken] = {}
-        self._changing = asyncio.Lock()  # one change after the other, disk and memory
+        self._changing = asyncio.Lock()  # one change at a time
         if path is not None and path.exists():
             self._load(path)
 
     def all(self) -> list[NamedToken]:
-        """Return the tokens that are valid, oldest first."""
+        """Return the valid tokens, oldest first."""
         self._forget_ended()
         return list(self._tokens.values())
 
     def by_digest(self) -> dict[str, NamedToken]:
-        """Return the tokens that are valid by their SHA-256. Any thread."""
+        """Return the valid tokens by their SHA-256. Any thread."""
         found = list(self._tokens.values())
         return {token.digest: token for token in found if not token.has_ended()}
 
     def find(self, secret: str) -> NamedToken | None:
-        """Return the valid token of that secret; None when there is none."""
-        # Comparing hashes of secrets takes no time that tells anything of a secret.
+        """Return the valid token of a secret; None if there is none."""
+        # The time to compare hashes of secrets tells nothing about a secret.
         digest = hashlib.sha256(secret.encode()).hexdigest()
         for token in self._tokens.values():
             if token.digest == digest:
@@ -129,12 +129,12 @@ class NamedTokens:
 
         Args:
             name: Owner of the token.
-            role: `operator` or `viewer`.
+            role: `operator`, `viewer` or `agent`.
             lifetime: How long it is valid [s], > 0; None until it is revoked.
 
         Raises:
             TokenExistsError: The name is taken, or there are too many tokens.
-            TokensNotKeptError: The token cannot be kept on disk; none is made.
+            TokensNotKeptError: The token cannot be written to disk; no token is made.
         """
         async with self._changing:
             return await self._create(name, role, lifetime)
@@ -182,13 +182,14 @@ class NamedTokens:
     async def revoke(self, name: str) -> NamedToken:
         """End a token, its sessions and its streams; return its last state.
 
-        The token ends even if the disk fails, but then comes back at the next start.
+        The token ends even if the disk fails, but is then valid again after the next
+        start.
 
         Raises:
             TokenNotFoundError: No valid token has this name.
-            TokensNotKeptError: The file still has it.
+            TokensNotKeptError: The file could not be written, and still has the token.
         """
-        # A disk that is slow must not keep a revoked token alive.
+        # Revoke the token first: a slow disk must not keep it valid.
         token = self.get(name)
         token.revoke()
         async with self._changing:
@@ -214,7 +215,8 @@ class NamedTokens:
                 for token in tokens.values()
             ]
             try:
-                # A disk may take seconds; the event loop goes on meanwhile.
+                # A disk may take seconds, so write in a thread while the event loop
+                # goes on.
                 await anyio.to_thread.run_sync(
                     _write_whole, self._path, json.dumps(listed)
                 )
@@ -240,7 +242,7 @@ class NamedTokens:
 
 
 def _write_whole(path: Path, text: str) -> None:
-    """Write a private file so that at any moment the old or the new one is there."""
+    """Write a private file, so that at any moment the old or the new one exists."""
     beside = path.with_name(f"{path.name}.new")
     beside.unlink(missing_ok=True)
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW

@@ -1,4 +1,4 @@
-"""The OpenAPI document of FastAPI, with statuses, headers and tags added."""
+"""Complete the OpenAPI document of FastAPI by statuses, headers and tags."""
 
 from typing import Any
 
@@ -45,7 +45,7 @@ TAGS = {
     "events": "What happened: who did what, when, from where, with what result.",
     "streams": "WebSocket streams; /api/v1/asyncapi.json describes their frames.",
 }
-"""What the operations of each tag are about."""
+"""Subject of the operations of each tag."""
 
 PARAMETERS = {
     "name": ("Name of the controller.", "effort_group_position_controller"),
@@ -59,7 +59,7 @@ PARAMETERS = {
     "if-match": ("ETag of the gains that were read; refused when they changed.", "*"),
     "next": ("Page to show afterwards.", "/docs"),
 }
-"""Description and example of each parameter that its route does not describe."""
+"""Description and example of each parameter that routes do not describe."""
 
 SERVERS = [{"url": "/", "description": "The server that this document comes from."}]
 INFO = {
@@ -95,19 +95,19 @@ _WHOEVER_HOLDS_CONTROL = frozenset({
         "tokens/{name}",
     )
 })
-"""Paths whose changes no lease of control can refuse."""
+"""Paths whose changes are allowed without control of the station."""
 
 
 def operation_id(route: APIRoute) -> str:
-    """Return the name of a route's function, which is unique and stays."""
+    """Return the name of a route's function, which is unique and stable."""
     return route.name
 
 
 class StationApi(FastAPI):
-    """A FastAPI whose document says that every error is a problem document.
+    """A FastAPI application whose document describes every error as a problem document.
 
     Args:
-        settings: Those of FastAPI; the pages of the document are routes of their own.
+        settings: Settings of FastAPI; separate routes serve the document's pages.
     """
 
     def __init__(self, **settings: Any) -> None:  # noqa: ANN401 - those of FastAPI
@@ -116,10 +116,10 @@ class StationApi(FastAPI):
         self._one_maker = anyio.CapacityLimiter(1)
 
     def methods_by_path(self) -> dict[str, set[str]]:
-        """Return the methods of each path in the document, which is not made for it.
+        """Return the methods of each path, without making the document.
 
-        Making the document takes half a second, too long for an answer that only names
-        paths: other requests would wait.
+        Making the document takes half a second, in which other requests would wait.
+        This is too long for an answer that only names paths.
         """
         found: dict[str, set[str]] = {}
         for route in iter_route_contexts(self.routes):
@@ -131,9 +131,9 @@ class StationApi(FastAPI):
         return found
 
     async def openapi_json(self) -> bytes:
-        """Return the document as JSON; made once, beside the event loop.
+        """Return the document as JSON; it is made once, in a worker thread.
 
-        Making it takes half a second, in which the event loop answers the stop.
+        Making it takes half a second, in which the event loop must answer a stop.
         """
         if not self._json:
             self._json = await anyio.to_thread.run_sync(
@@ -143,7 +143,7 @@ class StationApi(FastAPI):
 
     @override
     def openapi(self) -> dict[str, Any]:
-        """Return the document; made once."""
+        """Return the document, which is made once."""
         if self.openapi_schema is None:
             document = super().openapi()
             schemas = document["components"]["schemas"]
@@ -174,7 +174,7 @@ class StationApi(FastAPI):
 
 
 def _restore_examples(schemas: dict[str, dict[str, Any]]) -> None:
-    """Put the nulls into examples that the framework leaves out of its document."""
+    """Put the nulls back into examples, which the framework leaves out."""
     kinds: list[type[object]] = [Described]
     for kind in kinds:
         kinds += kind.__subclasses__()
@@ -184,10 +184,10 @@ def _restore_examples(schemas: dict[str, dict[str, Any]]) -> None:
 
 
 def _require_tags(schema: object, schemas: dict[str, dict[str, Any]]) -> None:
-    """Require the tag that tells the members of a union apart.
+    """Require the tag that distinguishes the members of a union.
 
-    Requests must name it. Without it in the document, two members would fit an object,
-    and `oneOf` says that one does.
+    Requests must have the tag. If the document did not require it, an object could fit
+    two members, but `oneOf` demands that it fits one.
     """
     if isinstance(schema, list):
         for each in schema:
@@ -206,8 +206,8 @@ def _require_tags(schema: object, schemas: dict[str, dict[str, Any]]) -> None:
 
 
 def _complete(path: str, operation: dict[str, Any]) -> None:
-    operation.setdefault("security", [])  # none, which is not the same as nothing said
-    # "Raises" is for readers of the code; the responses say it to users.
+    operation.setdefault("security", [])  # an empty list means that no token is needed
+    # The section "Raises" is for readers of the code; users see the responses.
     operation["description"] = operation["description"].partition("\n\nRaises:")[0]
     for parameter in operation.get("parameters", []):
         known = PARAMETERS.get(parameter["name"])

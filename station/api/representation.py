@@ -1,7 +1,7 @@
-"""Send an answer to GET whole, compressed, as its head, or as 304.
+"""Send an answer to GET in full, compressed, as its head only, or as 304.
 
-Only JSON that comes whole is looked into. Streams, server-sent events and files go
-through as they are: their first byte is not to wait for the last one.
+Only complete JSON answers are changed. Streams, server-sent events and files pass
+unchanged, because their first byte must not wait for the last one.
 """
 
 import asyncio
@@ -13,8 +13,8 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LARGE = 16 * 1024
-"""Answers from this size on are compressed [bytes]. Smaller ones cross a network in no
-time, and most clients are on this machine."""
+"""Size from which answers are compressed [bytes]. Smaller ones need little time in a
+network, and most clients are on this machine."""
 _LEVEL = 4
 _NOT_SENT_AGAIN = ("content-length", "content-type")
 
@@ -39,9 +39,9 @@ class Representation:
             await self._app(scope, receive, _Answer(scope, send).send)
 
     async def _answer_head(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer GET until the head is known, and end there.
+        """Let the application answer GET until the head is known, and end it then.
 
-        A file is not read for it, and an endless stream of events ends.
+        So a file is not read, and an endless stream of events ends.
         """
         is_known = asyncio.Event()
 
@@ -64,11 +64,11 @@ class Representation:
                 asking.cancel()
             await asyncio.wait({asking})
         if not asking.cancelled():
-            asking.result()  # what the application raised goes on
+            asking.result()  # raises the error of the application
 
 
 class _Answer:
-    """The answer to one GET: JSON is held back until it is there as a whole."""
+    """The answer to one GET; it holds JSON back until the JSON is complete."""
 
     def __init__(self, scope: Scope, send: Send) -> None:
         self._asked = Headers(scope=scope)
@@ -76,7 +76,7 @@ class _Answer:
         self._start: Message | None = None
 
     async def send(self, message: Message) -> None:
-        """Send a part of the answer on, or hold it back."""
+        """Pass a part of the answer on, or hold it back."""
         if message["type"] == "http.response.start" and _is_json(message):
             self._start = message
             return
@@ -93,7 +93,7 @@ class _Answer:
         headers = MutableHeaders(scope=start)
         is_own = "etag" in headers
         if not is_own:
-            # Weak: the same tag stands for the answer compressed and as it is.
+            # The tag is weak, because the compressed and the plain answer share it.
             headers["ETag"] = f'W/"{blake2b(body, digest_size=12).hexdigest()}"'
         if self._is_known(headers["ETag"]):
             for name in _NOT_SENT_AGAIN:

@@ -1,1 +1,1 @@
-"""The channels of a recording, live, for Foxglove and other clients of its protocol."""
+"""Serve the channels of a recording live to clients of Foxglove's protocol."""

@@ -1,4 +1,4 @@
-"""Changes by a Foxglove client: of gains, as parameters, and running controllers."""
+"""Changes by a Foxglove client: of gains (as parameters) and running controllers."""
 
 import json
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ _SLASH = "/"
 
 @dataclass(frozen=True, slots=True)
 class GainsAnswer:
-    """Outcome of parameters that a client has set.
+    """The result of a client's change of parameters.
 
     Attributes:
         values: Present values of the requested gains that exist.
-        problems: Why some were not set, one sentence each.
+        problems: Reasons for which gains were not set, one sentence each.
     """
 
     values: dict[str, float]
@@ -30,7 +30,7 @@ class GainsAnswer:
 
 
 class FoxgloveChanges:
-    """The changes of one client. Its methods may wait: for worker threads.
+    """The changes of one client. Its methods may block, so call them in worker threads.
 
     Args:
         client: The client, with its rights.
@@ -41,7 +41,7 @@ class FoxgloveChanges:
         self._station = client.services.station
 
     def gains(self, names: list[str]) -> dict[str, float]:
-        """Return gains by `controller/gain`; all when `names` is empty."""
+        """Return gains by `controller/gain`; all if `names` is empty."""
         found = {
             f"{controller}{_SLASH}{name}": value
             for controller, values in self._station.tuning.all_gains().items()
@@ -50,7 +50,7 @@ class FoxgloveChanges:
         return {name: found[name] for name in names or found if name in found}
 
     def set_gains(self, wanted: dict[str, object]) -> GainsAnswer:
-        """Set gains; valid ones are set, even if others are refused.
+        """Set gains; valid values are set even if others are refused.
 
         Args:
             wanted: Values by `controller/gain`.
@@ -83,7 +83,7 @@ class FoxgloveChanges:
         Raises:
             StationError: The change is refused.
             InvalidCommandError: The switch failed; the same controllers run as before.
-            ValueError: The payload is no JSON.
+            ValueError: The payload is not JSON.
             RecursionError: The payload is too deeply nested.
         """
         self._client.check(SWITCH_SERVICE)
@@ -105,7 +105,7 @@ class FoxgloveChanges:
         return json.dumps({"ok": True, "message": ""}).encode()
 
     def _set(self, good: dict[str, float]) -> list[str]:
-        """Set gains that exist; return why some could not be set."""
+        """Set gains that exist; return the reasons for those that could not be set."""
         if not good:
             return []
         try:
@@ -113,7 +113,8 @@ class FoxgloveChanges:
         except InvalidGainError as error:
             if len(good) == 1:
                 return [_sentence(error)]
-            # Which one is it? The others are set nevertheless.
+            # Set them one by one, so that a wrong value does not keep the others from
+            # being set.
             return [
                 one for name, value in good.items() for one in self._set({name: value})
             ]
@@ -138,7 +139,7 @@ def _names(asked: object, key: str) -> list[str]:
     """Return a list of names of a request.
 
     Raises:
-        InvalidCommandError: The names are no list of strings.
+        InvalidCommandError: The names are not a list of strings.
     """
     names = asked.get(key, []) if isinstance(asked, dict) else None
     if isinstance(names, list) and all(isinstance(one, str) for one in names):

@@ -1,4 +1,4 @@
-"""A port of its own for Foxglove: live channels, gains as parameters, switches."""
+"""The tool port for Foxglove: live channels, gains as parameters, switches."""
 
 import asyncio
 from collections.abc import Iterable
@@ -14,11 +14,11 @@ from station.api.foxglove.live_channels import LiveChannels
 from station.api.tool_port import Place, ToolClient, ToolPort
 
 _PARAMETERS_EVERY = 25
-"""Ticks between two looks whether gains have changed."""
+"""Ticks between two checks whether gains have changed."""
 
 
 class FoxglovePort(ToolPort[FoxgloveSession]):
-    """An application for one port: WebSockets in the words of Foxglove.
+    """The application at the tool port that speaks Foxglove's protocol.
 
     Args:
         app: The application of the API, whose station, tokens and lease it shares.
@@ -43,7 +43,7 @@ class FoxglovePort(ToolPort[FoxgloveSession]):
         session = FoxgloveSession(
             client.websocket, self._channels, changes, self._numbers
         )
-        self._channels.newest(())  # so that its channels can be advertised
+        self._channels.newest(())  # makes the channels known, to advertise them
         return session
 
     @override
@@ -62,4 +62,4 @@ class FoxglovePort(ToolPort[FoxgloveSession]):
                 async with asyncio.timeout(1.0):
                     await session.watch_parameters()
             except (TimeoutError, WebSocketDisconnect, RuntimeError):
-                continue  # slow or gone; its own task ends it
+                continue  # slow or disconnected; its own task ends it

@@ -24,23 +24,24 @@ MOST_SUBSCRIPTIONS = 1000
 _SERVICE_ID = 1
 _MESSAGE, _SERVICE_CALL_OPCODE, _SERVICE_ANSWER = 1, 2, 3
 _SERVICE_CALL = struct.Struct("<BIII")
-"""What a call begins with: opcode, service, call, length of the encoding's name."""
+"""Head of a call: opcode, service, call, length of the encoding's name."""
 _DATA = struct.Struct("<BIQ")
 _WARNING, _ERROR = 1, 2
-# What clients send that do not keep to the protocol.
+# Errors that messages of clients cause if they violate the protocol.
 _NO_MESSAGE = (
     ValueError, TypeError, AttributeError, LookupError, RecursionError, struct.error,
 )  # fmt: skip
 
 
 class FoxgloveSession:
-    """Talks to one client, in the event loop of the API.
+    """Serves one client, in the event loop of the API.
 
     Args:
-        websocket: Its connection, accepted.
+        websocket: The accepted connection.
         channels: Channels that a client can subscribe to.
-        changes: Carries out the changes that the client asks for.
-        numbers: Numbers of the channels by topic, shared by all clients; grows.
+        changes: Carries out the changes that the client requests.
+        numbers: Numbers of the channels by topic, which all clients share; sessions add
+            to it.
     """
 
     def __init__(
@@ -68,7 +69,7 @@ class FoxgloveSession:
         return set(self._subscriptions.values())
 
     def offer(self, messages: list[LiveMessage]) -> None:
-        """Take the messages of the newest cycle; a slow client misses older ones."""
+        """Offer the messages of the newest cycle; a slow client misses older ones."""
         self._newest = messages
         self._wake.set()
 
@@ -86,10 +87,10 @@ class FoxgloveSession:
         await self._send({"op": "advertiseServices", "services": [_service()]})
 
     async def feed(self, slow_after: float) -> None:
-        """Send the offered frames; return when the client takes none for too long.
+        """Send the offered frames; return if the client reads none for too long.
 
         Args:
-            slow_after: So long [s].
+            slow_after: Longest time without reading [s].
         """
         while True:
             await self._wake.wait()
@@ -101,7 +102,7 @@ class FoxgloveSession:
                 return
 
     async def listen(self) -> None:
-        """Answer the client's requests; return when the client is gone."""
+        """Answer the client's requests; return when the client has left."""
         while True:
             message = await self._websocket.receive()
             if message["type"] == "websocket.disconnect":
@@ -118,7 +119,7 @@ class FoxgloveSession:
                 await self._tell(_ERROR, f"That is no message of Foxglove: {error!r}.")
 
     async def watch_parameters(self) -> None:
-        """Send the gains that changed since the last call to subscribers."""
+        """Send the gains that have changed since the last call, if subscribed."""
         if not self._watched:
             return
         found = await anyio.to_thread.run_sync(self._changes.gains, [*self._watched])
@@ -147,7 +148,7 @@ class FoxgloveSession:
         await self._websocket.send_bytes(head + message.data)
 
     async def _advertise(self) -> None:
-        """Tell of channels that the client does not know yet."""
+        """Advertise channels that the client does not know yet."""
         new = [t for t in self._channels.kinds if t not in self._advertised]
         if not new:
             return
@@ -205,7 +206,7 @@ class FoxgloveSession:
         await self._send(_parameter_values(answer.values, request))
 
     async def _take_call(self, data: bytes) -> None:
-        """Call a service; the client learns of a failure, too."""
+        """Call a service, and report even a failure to the client."""
         opcode, service, call, length = _SERVICE_CALL.unpack_from(data)
         if opcode != _SERVICE_CALL_OPCODE:
             await self._tell(_WARNING, "Clients publish nothing to this station.")
@@ -258,7 +259,7 @@ def _parameter_values(
 
 
 def _service() -> dict[str, object]:
-    """Return the request and the answer of the service that switches controllers."""
+    """Return the description of the service that switches controllers."""
     names = {"type": "array", "items": {"type": "string"}}
     request = {"type": "object", "properties": {"start": names, "stop": names}}
     answer = {

@@ -1,4 +1,4 @@
-"""The newest cycle as the channels of a recording, for subscribers."""
+"""Send the newest cycle as the channels of a recording to subscribers."""
 
 import time
 from collections.abc import Collection, Iterator, Mapping
@@ -33,15 +33,15 @@ class LiveMessage(NamedTuple):
 
 
 class LiveChannels:
-    """Channels with values of the newest cycle. For one event loop.
+    """Channels with values of the newest cycle. Use it in one event loop only.
 
     Args:
         station: The station.
-        urdf: The robot for transforms; None sends none.
-        texts: Text by topic, such as `/robot_description`; subscribers get it.
+        urdf: The robot, for transforms; None sends no transforms.
+        texts: Texts for subscribers, by topic such as `/robot_description`.
 
     Attributes:
-        boot_id: Tells one start of the station from the next.
+        boot_id: Random name of the run of the station.
         kinds: Message types by topic, of all channels so far.
     """
 
@@ -66,9 +66,10 @@ class LiveChannels:
             self.kinds[topic] = messages.STRING
 
     def newest(self, wanted: Collection[str]) -> list[LiveMessage]:
-        """Return the messages of the newest cycle; none if it was asked for before.
+        """Return the messages of the newest cycle; none if they were returned before.
 
-        All of them, transforms too, are of the same row: a stamp names one cycle.
+        All messages, including transforms, come from the same row, so equal stamps mean
+        the same cycle.
 
         Args:
             wanted: The channels with a subscriber.
@@ -91,7 +92,7 @@ class LiveChannels:
         return found
 
     def text(self, topic: str) -> LiveMessage | None:
-        """Return the text of a channel, which changes in no cycle; None without one."""
+        """Return the constant text of a channel; None for other channels."""
         text = self._texts.get(topic)
         if text is None:
             return None
@@ -115,4 +116,4 @@ class LiveChannels:
         try:
             return list(self._station.manager.get_controller(name).joint_names)
         except StationError:
-            return []  # unloaded since; its elements are numbered
+            return []  # unloaded meanwhile; its elements get numbers
