@@ -1,4 +1,4 @@
-"""The web server in a thread of its own, with an event loop of its own."""
+"""The web server, in a thread with an event loop of its own."""
 
 import asyncio
 import logging
@@ -27,20 +27,20 @@ if TYPE_CHECKING:
 
 
 SEND_BUFFER = 128 * 1024
-"""What the system keeps for a client that does not read [bytes]: then it is slow."""
+"""Bytes that the operating system buffers for a client before it counts as slow."""
 
 
 class ServerStartError(StationError, OSError):
-    """The server cannot listen there."""
+    """The server cannot listen at its address."""
 
     code = "cannot_listen"
 
 
 class GivingWaySelector(selectors.DefaultSelector):
-    """Lets a cycle of the control loop begin before a turn of the event loop.
+    """Lets a due cycle of the control loop begin before a turn of the event loop.
 
     Args:
-        right_of_way: Tells when to wait for the control thread.
+        right_of_way: Makes this thread wait when the control thread is due.
     """
 
     def __init__(self, right_of_way: RightOfWay) -> None:
@@ -57,22 +57,21 @@ class GivingWaySelector(selectors.DefaultSelector):
 
 
 class ApiServer:
-    """Serves an app until it is stopped. Installs no signal handlers.
+    """Serves an application until it is stopped; installs no signal handlers.
 
     Args:
         app: Application, from `create_app`.
         host: Address to listen on.
         port: Port; 0 for any free one.
-        tls: Certificate and key for https and wss; http and ws when None.
-        ports: Tools that are served at ports of their own, with the same certificate
-            and the same limits.
+        tls: Certificate and key for https and wss; None for http and ws.
+        ports: Tool ports to serve, with the same certificate and the same limits.
 
     Raises:
         TlsFilesError: The certificate or the key cannot be used.
 
     Attributes:
         host: The address.
-        port: The port; the real one after `start`.
+        port: The port; after `start` the true one.
     """
 
     def __init__(
@@ -114,7 +113,7 @@ class ApiServer:
 
     @property
     def url(self) -> str:
-        """Return the address under which clients of this machine reach it."""
+        """Return the URL for clients on this machine."""
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(self.host, self.host)
         return f"{self._scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
 
@@ -126,10 +125,10 @@ class ApiServer:
         self.stop()
 
     def start(self) -> int:
-        """Listen and serve; return the port once connections are taken.
+        """Listen and serve; return the port when connections are accepted.
 
         Raises:
-            ServerStartError: The address is taken or not this machine's.
+            ServerStartError: The address is in use, or does not belong to this machine.
         """
         listeners: list[socket.socket] = []
         doors: list[ApiServer | ToolPort[Any]] = [self, *self._ports]
@@ -149,16 +148,16 @@ class ApiServer:
         return self.port
 
     def stop(self, timeout: float = 2.9) -> None:
-        """Close all streams (1001), finish requests under way, and end the thread.
+        """Close all streams (1001), finish running requests, and end the thread.
 
         Args:
-            timeout: Longest wait [s]; the thread cannot keep the process alive.
+            timeout: Longest wait [s]; the thread does not keep the process alive.
         """
         thread, loop = self._thread, self._loop
         if thread is None or loop is None:
             return
-        # Requests that do not end in time are cancelled. That is meant, so uvicorn must
-        # not log each one with its traceback as an error of the application.
+        # Requests that do not end in time are cancelled on purpose, so uvicorn must not
+        # log them with tracebacks as errors of the application.
         log = logging.getLogger("uvicorn.error")
         level = log.level
         log.setLevel(logging.CRITICAL)
@@ -178,10 +177,10 @@ class ApiServer:
 
     async def _serve(self, listeners: list[socket.socket]) -> None:
         self._loop = asyncio.get_running_loop()
-        # anyio imports a backend when it is first used. In the first request that would
-        # keep the interpreter from the control thread, for up to 30 ms.
+        # anyio imports a backend at its first use. In the first request this would hold
+        # the interpreter for up to 30 ms, and delay the control thread.
         await anyio.lowlevel.checkpoint()
-        self._running.set()  # the listeners queue connections from now on
+        self._running.set()  # from now on the listeners queue connections
         try:
             await self._server.serve(sockets=listeners)
         finally:
@@ -197,11 +196,11 @@ def _listen(host: str, port: int) -> socket.socket:
     """Return a socket that listens.
 
     Raises:
-        ServerStartError: The address is taken or not this machine's.
+        ServerStartError: The address is in use, or does not belong to this machine.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    # With the protocol named, asyncio turns Nagle's algorithm off: else every
-    # answer waits 40 ms for the acknowledgement of its head.
+    # asyncio turns Nagle's algorithm off only if the protocol is named. Otherwise every
+    # answer would wait 40 ms for the acknowledgement of its head.
     listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
@@ -219,11 +218,11 @@ def _listen(host: str, port: int) -> socket.socket:
 
 
 GRACE = 2.0
-"""How long a client may take to read its close frame [s]."""
+"""Longest time for a client to read its close frame [s]."""
 
 
 class StreamProtocol(WebSocketsSansIOProtocol):
-    """A `StreamPort` that the application finds in the scope's state."""
+    """A WebSocket connection as a `StreamPort`, in the scope's state."""
 
     _resumed: Callable[[], None] | None = None
 
@@ -241,7 +240,7 @@ class StreamProtocol(WebSocketsSansIOProtocol):
 
     @override
     def shutdown(self) -> None:
-        # Uvicorn would close a client that has just closed again, and fail by that.
+        # Uvicorn would close a client again that has just closed, and raise an error.
         if not self.transport.is_closing():
             super().shutdown()
 
@@ -249,18 +248,18 @@ class StreamProtocol(WebSocketsSansIOProtocol):
         """Write a whole WebSocket frame, unless the connection is being closed.
 
         Args:
-            wire: The frame, not masked; no extension changes it, because the server
+            wire: The frame, not masked. No extension may change it, because the server
                 offers none.
         """
         if not self.close_sent and not self.transport.is_closing():
             self.transport.write(wire)
 
     def is_writable(self) -> bool:
-        """Return whether the client reads its frames."""
+        """Return whether the client keeps up with reading."""
         return self.writable.is_set()
 
     def listen(self, resumed: Callable[[], None] | None) -> None:
-        """Call `resumed` whenever the client begins to read again."""
+        """Call `resumed` whenever the client reads again; None ends this."""
         self._resumed = resumed
 
     def abort(self, code: int, reason: str) -> None:

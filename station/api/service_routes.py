@@ -1,7 +1,7 @@
-"""Routes of declared services: method, path, request and description follow.
+"""Make the routes of declared services from their declarations.
 
-The station's own services name their wire model, which the client has too. The request
-model of any other service is made of the parameters of its method.
+A service of the station itself has a wire model, which the client shares. For every
+other service the request model is made from the parameters of its method.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -25,7 +25,8 @@ METHODS = {
     ServiceKind.ACTION: "POST",
 }
 Answer = Callable[[Station, str, object], Any]
-"""Makes the answer of the station, the name of the robot and the returned value."""
+"""Function that makes the answer from the station, the robot's name and the returned
+value."""
 
 
 def add_service(
@@ -44,8 +45,8 @@ def add_service(
         request: Model of the body; None for a service without parameters.
         reply: Model of the answer.
         answer: Makes the answer.
-        operation: Name of the operation in the OpenAPI document; the service's own
-            name when empty.
+        operation: Name of the operation in the OpenAPI document; empty for the
+            service's name.
     """
     changes = service.kind is not ServiceKind.QUERY
     refusals = (404, 409, 413, 422) if changes else (404, 409)
@@ -83,7 +84,7 @@ def _endpoint(
 def call_service(
     station: Station, arm_id: str, name: str, arguments: Mapping[str, object]
 ) -> object:
-    """Call a declared service between two cycles; return its method's value.
+    """Call a declared service between two cycles; return the value of its method.
 
     Args:
         station: The station.
@@ -92,7 +93,7 @@ def call_service(
         arguments: Its arguments by name.
 
     Raises:
-        StationError: There is no such service, or it is refused; nothing changed.
+        StationError: The service is unknown, or refuses; nothing has changed.
     """
     declared, method = station.robots.find_service(arm_id, name)
     return station.loop.run_in_cycle(partial(method, **arguments), moves=declared.moves)
@@ -111,11 +112,11 @@ def request_model(service: Service) -> type[BaseModel] | None:
 
 
 def services_of(kinds: Iterable[type[RobotServices]], taken: set[str]) -> APIRouter:
-    """Return the routes of all services that some classes declare.
+    """Return the routes of all services that these classes declare.
 
     Args:
         kinds: Classes of robots' services.
-        taken: Paths of services that have a route already.
+        taken: Paths of services that already have a route.
 
     Raises:
         HardwareInterfaceError: Two services, or a service and a route of the station,
@@ -132,7 +133,7 @@ def services_of(kinds: Iterable[type[RobotServices]], taken: set[str]) -> APIRou
                 )
             taken = {*taken, service.path}
             model = request_model(service)
-            # A prefix, because the station has operations of its own.
+            # The prefix avoids the names of the station's own operations.
             name = f"call_{service.path}"
             add_service(router, service, model, service.returns, _returned, name)
     return router
@@ -146,7 +147,7 @@ def describe(station: Station, name: str) -> wire.Services:
     """Return the declared services of a robot.
 
     Raises:
-        ArmNotFoundError: There is no such robot.
+        ArmNotFoundError: The robot is unknown.
     """
     return wire.Services(
         services=[

@@ -1,4 +1,4 @@
-"""Services of an application: everything that its routes and streams work with."""
+"""The parts of an application that its routes and streams use."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -36,21 +36,21 @@ class Services:
     """The parts of one application, in `app.state.services`.
 
     Attributes:
-        station: The station that is served.
+        station: The station that the application serves.
         authenticator: Knows tokens and sessions.
         failed_logins: Slows down the guessing of tokens.
         event_recorder: Records the changes of each client.
-        event_feed: Hands out events, page by page or as they happen.
+        event_feed: Sends events, page by page or as they happen.
         alarms: Alarms of the station.
         control: The lease of control.
         agents: Requests of agents that people answer.
-        idempotent_answers: Answers that are repeated for a request that is sent twice.
-        bench: Measures how a joint follows.
+        idempotent_answers: Kept answers for requests that are sent twice.
+        bench: Measures responses of joints.
         bench_runs: Kept runs of the bench.
-        lessons: Lessons, the attempt under way, and the progress of people.
+        lessons: Lessons, the present attempt, and the progress of people.
         broadcaster: All streams.
-        recorder: Records every cycle; None for a station that records nothing.
-        experiments: Runs experiments; None for a station that runs none.
+        recorder: Records every cycle; None for a station without recordings.
+        experiments: Runs experiments; None for a station without experiments.
         gain_sets: Named sets of gains on the disk.
         plot_layouts: Named layouts of plots on the disk.
         scenes: Named scenes on the disk.
@@ -58,7 +58,7 @@ class Services:
         path_player: Plays waypoint paths.
         rehearsals: Tries commands in a copy of the station.
         cameras: Cameras, and their pictures.
-        dashboard_url: Returns the address of the dashboard; None while it is unknown.
+        dashboard_url: Returns the URL of the dashboard; None while it is unknown.
         command_streams: Number of open streams of set-points.
     """
 

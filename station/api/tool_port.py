@@ -1,8 +1,8 @@
-"""Ports for tools that speak a protocol of their own, behind the same door as the API.
+"""Ports for tools with their own protocol, with the same access rules as the API.
 
-The server of the API listens there, too, so that Host and Origin, tokens, the lease and
-the limits of connections are judged by the same code. Without a token a client on this
-machine is a viewer: such tools ask for an address only.
+The API's server also listens at these ports, so the same code checks Host and Origin,
+tokens, the lease and the limits of connections. A client on this machine without a
+token is a viewer, because such tools ask users only for an address.
 """
 
 import asyncio
@@ -38,11 +38,11 @@ if TYPE_CHECKING:
     from station.api.streams.stream_client import StreamPort
 
 SLOW_AFTER = 5.0
-"""A client that takes nothing for so long is closed [s]."""
+"""Time without reading after which a client is closed [s]."""
 
 
 class ChangeRefusedError(StationError, PermissionError):
-    """A client asks for a change that it may not make."""
+    """A client has requested a change that it may not make."""
 
     code = "change_refused"
 
@@ -54,11 +54,11 @@ class ToolClient:
         tool: Name of the tool, for events.
         websocket: Its connection.
         access: Rights of the client.
-        lease: The lease of control that it names; None without one.
+        lease: The lease of control that the client names; None without one.
 
     Attributes:
         websocket: As given.
-        access: As given; a client may prove another one later.
+        access: Rights of the client; it may prove other rights later.
         lease: As given.
         services: The services of the application.
     """
@@ -73,13 +73,13 @@ class ToolClient:
         self._tool = tool
 
     def check(self, what: str) -> None:
-        """Refuse a change by anybody who may not make it.
+        """Refuse a change that the client may not make.
 
         Args:
             what: The change, for the event of a refusal.
 
         Raises:
-            ChangeRefusedError: The client is no operator, or no longer one.
+            ChangeRefusedError: The client is not, or no longer, an operator.
             StationError: Another client holds control.
         """
         try:
@@ -99,13 +99,13 @@ class ToolClient:
             raise
 
     def record(self, what: str, result: str, *, is_done: bool, free: int = 10) -> None:
-        """Record a change, carried out or refused; repeats are counted.
+        """Record a change that was carried out or refused, and count repeats.
 
         Args:
             what: The change.
-            result: How it ended.
+            result: Result of the change, in one or two words.
             is_done: Whether it was carried out.
-            free: How many such events are recorded before they are counted.
+            free: Number of such events that are recorded before they are only counted.
         """
         found = origin_of(self.websocket)
         who = self.services.control.name_of(self.access, self.lease)
@@ -128,10 +128,10 @@ class ToolSession(Protocol):
         """Send the first messages of the protocol."""
 
     async def feed(self, slow_after: float) -> None:
-        """Send waiting messages; return when the client reads nothing for too long."""
+        """Send waiting messages; return if the client reads none for too long."""
 
     async def listen(self) -> None:
-        """Answer the client's messages; return when it is gone."""
+        """Answer the client's messages; return when the client has left."""
 
 
 SessionT = TypeVar("SessionT", bound=ToolSession)
@@ -139,7 +139,7 @@ SessionT = TypeVar("SessionT", bound=ToolSession)
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """The place at which a tool is served, and for whom.
+    """The address at which a tool is served, and the clients that are admitted.
 
     Attributes:
         host: Address to listen at.
@@ -155,7 +155,7 @@ class Place:
 
 
 class ToolPort(ABC, Generic[SessionT]):
-    """An application for one port: WebSockets in the words of a tool.
+    """The application at one tool port, which speaks the tool's protocol.
 
     Args:
         app: The application of the API, whose station, tokens and lease it shares.
@@ -164,18 +164,18 @@ class ToolPort(ABC, Generic[SessionT]):
     Attributes:
         place: As given.
         host: Address to listen at.
-        port: TCP port; the real one once the server listens.
-        sessions: The conversations, with the rights of each client.
+        port: TCP port; the true one after the server listens.
+        sessions: The conversations, with the client of each.
     """
 
     tool: ClassVar[str]
     """Name of the tool, for people."""
     subprotocols: ClassVar[tuple[str, ...]] = ()
-    """WebSocket subprotocols of which a client offers one; empty for none."""
+    """WebSocket subprotocols, one of which a client must offer; empty for none."""
     rate: ClassVar[float]
     """Ticks per second [Hz wall time]."""
     most_clients: ClassVar[int]
-    """Most clients at a time; viewers get three quarters of them."""
+    """Most clients at a time; viewers may have three quarters of them."""
 
     def __init__(self, app: FastAPI, place: Place) -> None:
         self.place = place
@@ -195,7 +195,7 @@ class ToolPort(ABC, Generic[SessionT]):
 
     @abstractmethod
     async def tick(self) -> None:
-        """Offer the newest cycle to those who want it."""
+        """Offer the newest cycle to the clients."""
 
     async def _serve(self, scope: Scope, receive: Receive, send: Send) -> None:
         scope["app"] = self._app
@@ -249,7 +249,7 @@ class ToolPort(ABC, Generic[SessionT]):
         return found
 
     def _refusal(self, access: Access) -> str | None:
-        """Return the reason for refusing another client; None when it is accepted."""
+        """Return the reason for refusing another client; None if it is accepted."""
         most = self.most_clients
         if len(self.sessions) >= most:
             return f"there are {most} clients already"
@@ -284,7 +284,7 @@ class ToolPort(ABC, Generic[SessionT]):
     async def _first_end(
         self, session: SessionT, client: ToolClient, ticking: asyncio.Task[None]
     ) -> tuple[int, str]:
-        """Return the closing code and reason: (0, "") if the client is gone already."""
+        """Return the closing code and reason; (0, "") if the client has left."""
         closing = client.services.broadcaster.wait_closing
         ends = [
             (session.listen(), 0, ""),
@@ -309,7 +309,7 @@ async def _end_of(task: asyncio.Task[None]) -> None:
 
 
 def by_port(app: ASGIApp, ports: Sequence[ToolPort[Any]]) -> ASGIApp:
-    """Return an application that chooses a port's routes by the connection's port."""
+    """Return an application that calls the application of a connection's port."""
 
     async def serve(scope: Scope, receive: Receive, send: Send) -> None:
         server = scope.get("server")

@@ -1,4 +1,4 @@
-"""Explain in the station's own words why a field of a request is refused."""
+"""Explain, in plain words, why a field of a request is refused."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -46,11 +46,11 @@ _WORDS: Mapping[str, str | Callable[[Context], str]] = {
 
 
 def explain(kind: str, context: Context) -> str:
-    """Return an explanation of the error, to follow the name of the field.
+    """Return an explanation of the error, which follows the name of the field.
 
     Args:
-        kind: The validator's name of the error.
-        context: Further facts of the validator: limits, expected values.
+        kind: Name of the error in pydantic.
+        context: Further facts from pydantic: limits, expected values.
     """
     words = _WORDS.get(kind, "is not what is allowed here")
     return words if isinstance(words, str) else words(context)
@@ -61,8 +61,8 @@ def explain_json(body: object, position: int, why: str) -> str:
 
     Args:
         body: The body.
-        position: Index of the character at which it is none.
-        why: The parser's word for it.
+        position: Index of the character at which parsing failed.
+        why: The parser's error message.
     """
     text = body.decode(errors="replace") if isinstance(body, bytes) else str(body)
     rest = text[position:].lstrip("-")
@@ -72,7 +72,7 @@ def explain_json(body: object, position: int, why: str) -> str:
                 f"is no JSON at character {position}: JSON has no {word}; every number "
                 "must be finite"
             )
-    if "UTF-8" in why:  # the parser has no text to show then
+    if "UTF-8" in why:  # the body has no text to show then
         return "is no JSON: it is no text in UTF-8"
     if not text.strip():
         return "is empty, where a JSON object is expected"

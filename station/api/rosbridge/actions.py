@@ -1,11 +1,11 @@
-"""The actions of a station: goals, their feedback, and how they end.
+"""The actions of a station: goals, their feedback and their results.
 
-A goal comes by the operation `send_action_goal`, as ROS 2 has it, or by the topics of
-actionlib; both are followed by the same task.
+A client sends a goal by the operation `send_action_goal` of ROS 2 or by the topics of
+actionlib; the same task follows both.
 
 Source: actionlib_msgs/GoalStatus.msg, action_msgs/msg/GoalStatus.msg;
 franka_ros@c11f000 franka_gripper_node.cpp; differs: a gripper's command that did not
-reach its aim is aborted, not succeeded with `success` false.
+reach its aim is aborted; it does not succeed with `success` false.
 """
 
 import asyncio
@@ -37,20 +37,20 @@ from station.records.cdr import Values
 from station.records.messages import header
 
 FEEDBACK_PERIOD = 0.05
-"""Time between two looks at a goal [s]; joint_trajectory_controller's is 20 Hz."""
+"""Time between two feedbacks of a goal [s]; joint_trajectory_controller has 20 Hz."""
 STATUS_PERIOD = 0.2
 """Time between two messages of the topic `status` [s]; actionlib's default is 5 Hz."""
 KEPT = 5.0
-"""How long a goal that has ended stays in `status` [s]; as actionlib's."""
+"""How long an ended goal stays in `status` [s], as in actionlib."""
 MOST_THREADS = 16
-"""Most threads that wait for the station on behalf of clients at a time."""
+"""Most threads that wait for the station for clients."""
 MOST_GOALS = 32
-"""Most goals that are followed at a time."""
+"""Most goals that are followed at the same time."""
 _TRAJECTORY = "control_msgs/FollowJointTrajectory"
 _SEQUENCE = "control_msgs/ExecuteMotionPrimitiveSequence"
 _GRIPPER = "control_msgs/GripperCommand"
 REJECTED = 5
-"""actionlib's number of a goal that was refused."""
+"""actionlib's status number of a refused goal."""
 ACTIONLIB = {
     GoalStatus.PENDING: 0,
     GoalStatus.ACTIVE: 1,
@@ -58,9 +58,9 @@ ACTIONLIB = {
     GoalStatus.SUCCEEDED: 3,
     GoalStatus.ABORTED: 4,
 }
-"""actionlib's numbers of the states of a goal."""
+"""actionlib's status numbers for the states of a goal."""
 ROS2 = {GoalStatus.SUCCEEDED: 4, GoalStatus.PREEMPTED: 5, GoalStatus.ABORTED: 6}
-"""The numbers of ROS 2 of the states in which a goal has ended."""
+"""The status numbers of ROS 2 for the final states of a goal."""
 _LEAST_EFFORT = 1e-4
 
 
@@ -79,11 +79,11 @@ class Progress(NamedTuple):
 
 
 class Running(NamedTuple):
-    """A goal that has begun. Both functions may wait: for worker threads.
+    """A goal that has begun. Both functions may block, so call them in worker threads.
 
     Attributes:
-        poll: Returns how far it is.
-        cancel: Asks for its end.
+        poll: Returns the progress of the goal.
+        cancel: Cancels the goal.
     """
 
     poll: Callable[[], Progress]
@@ -97,8 +97,8 @@ class Action:
     Attributes:
         name: Its name.
         type: Its type.
-        begin: Begins a goal; may wait.
-        changes: Whether it changes something of the station.
+        begin: Begins a goal; may block.
+        changes: Whether it changes the station, so that it needs the rights for this.
     """
 
     name: str
@@ -116,9 +116,9 @@ class TrackedGoal:
         goal_id: Its `actionlib_msgs/GoalID`.
         code: actionlib's number of its state.
         text: Why it did not succeed.
-        running: The goal; None before it has begun, and when it was refused.
+        running: The goal; None before it begins, and if it was refused.
         ended: When it ended [s, clock of the event loop]; None until then.
-        told: Called with each progress of the goal.
+        told: Function that is called with each progress of the goal.
     """
 
     action: Action
@@ -136,15 +136,15 @@ class TrackedGoal:
 
 
 class StationActions:
-    """Makes the actions of a station and follows the goals of clients.
+    """Provides the actions of a station, and follows the goals of clients.
 
     Args:
         station: The station.
-        topics: Its topics, whose clock the goals have.
-        publish: Publishes a message: topic, type, message.
+        topics: Topics of the station, whose clock stamps the goals.
+        publish: Function that publishes a message, from its topic, type and content.
 
     Attributes:
-        threads: The threads in which goals begin, and in which clients' calls wait.
+        threads: The threads in which goals begin and calls of clients wait.
     """
 
     def __init__(
@@ -158,11 +158,11 @@ class StationActions:
         self._publish = publish
         self._grippers = Grippers(station.robots)
         self._goals: list[TrackedGoal] = []
-        # Of their own, so that the API's requests never wait for one.
+        # Separate threads, so that the API's requests never wait for one.
         self.threads = anyio.CapacityLimiter(MOST_THREADS)
 
     def all(self) -> Iterator[Action]:
-        """Yield the actions that there are now."""
+        """Yield the present actions."""
         for name, _, controller in loaded_controllers(self._station):
             if controller.goals is None:
                 continue
@@ -189,7 +189,7 @@ class StationActions:
             )
 
     def topics_of(self, action: Action) -> Iterator[Topic]:
-        """Yield the topics of actionlib of an action."""
+        """Yield the actionlib topics of an action."""
         yield Topic(
             f"{action.name}/status",
             "actionlib_msgs/GoalStatusArray",
@@ -229,14 +229,14 @@ class StationActions:
 
         Args:
             action: Its action.
-            client: The client that gives it.
+            client: The client that sends the goal.
             goal: The goal message.
             goal_id: Its `actionlib_msgs/GoalID`.
-            told: Called in the event loop with each progress.
+            told: Function that is called in the event loop with each progress.
 
         Raises:
             InvalidCommandError: Too many goals are followed.
-            StationError: It is refused; those who see the topics learn of it, too.
+            StationError: The goal is refused; the topics report this, too.
         """
         tracked = TrackedGoal(action, goal_id, told)
         self._forget()
@@ -251,7 +251,8 @@ class StationActions:
             )
         except StationError as error:
             tracked.code, tracked.text = REJECTED, error.message
-            # The names of every action's result; each takes its own.
+            # These are the names in the results of all actions; each action uses its
+            # own.
             values: Values = {"error_string": error.message, "error": error.message}
             values["error_code"] = error.details.get("error_code", 0)
             self._end(tracked, self._filled(action, "Result", values))
@@ -259,7 +260,7 @@ class StationActions:
         tracked.task = asyncio.create_task(self._follow(tracked, tracked.running))
 
     async def cancel(self, action: Action, goal_id: str) -> None:
-        """Cancel a goal of an action, or all of them without a name."""
+        """Cancel a goal of an action; without an identifier cancel all its goals."""
         found = [
             one.running
             for one in self._goals
@@ -286,7 +287,7 @@ class StationActions:
             values = self._filled(tracked.action, part, progress.values)
             if status in ROS2:
                 self._end(tracked, values)
-            # A goal that the control thread has not taken up yet has no feedback.
+            # A goal that the control thread has not yet taken has no feedback.
             has_feedback = status is GoalStatus.ACTIVE and bool(progress.values)
             if has_feedback:
                 self._send(tracked, "feedback", values)
@@ -304,7 +305,7 @@ class StationActions:
         self._send(tracked, "result", values)
 
     def _send(self, tracked: TrackedGoal, name: str, values: Values) -> None:
-        """Publish a message of actionlib."""
+        """Publish an actionlib message of a goal."""
         action = tracked.action
         head = {"header": header(self._clock.now()), "status": tracked.status()}
         kind = f"{action.type}Action{name.capitalize()}"
@@ -365,7 +366,7 @@ class StationActions:
         )
 
     def _begin_gripper_action(self, arm_id: str, command: Values) -> GripperState:
-        """Move or grasp, whichever franka_gripper's `gripper_action` would do."""
+        """Move or grasp, as franka_gripper's `gripper_action` would do."""
         width, effort = 2.0 * command["position"], abs(command["max_effort"])
         if effort < _LEAST_EFFORT or width >= self._grippers.state(arm_id).width:
             return self._grippers.move(arm_id, width, DEFAULT_SPEED)
@@ -382,7 +383,7 @@ def _progress(goal: Goal) -> Progress:
     if result is not None:
         facts = {"error_code": result.code, "error_string": result.message}
         return Progress(goal.status, {**result.details, **facts}, result.message)
-    # It may have ended in between; then its result comes with the next look.
+    # The goal may have ended in between; then the next look finds its result.
     is_pending = goal.status is GoalStatus.PENDING
     status = GoalStatus.PENDING if is_pending else GoalStatus.ACTIVE
     return Progress(status, goal.feedback())
@@ -393,7 +394,7 @@ def _done(result: Values) -> Running:
 
 
 def _gripper_progress(name: str, number: int, state: GripperState) -> Progress:
-    """Return the progress of a command of a hand."""
+    """Return the progress of a gripper's command."""
     known = (state.command, state.last)
     command = next((c for c in known if c is not None and c.identifier == number), None)
     status = GoalStatus.PREEMPTED if command is None else command.status

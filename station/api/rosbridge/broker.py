@@ -1,13 +1,13 @@
 """Topics, services, actions and parameters that clients offer to each other.
 
-Nothing of it reaches the station, so whoever may look may offer. A name whose first
-part is one of the station's belongs to the station: no client gets it, and who has had
-it before the station loses it.
+None of these reaches the station, so every viewer may offer them. A name that begins
+like a name of the station belongs to the station: no client gets it, and a client that
+had it before loses it.
 
 Source: RobotWebTools/rosbridge_suite, capabilities advertise, advertise_service,
 service_response, advertise_action, action_feedback and action_result; differs: a name
-that another client offers is refused, not taken over; types that the station does not
-know are passed on as they are.
+that another client already offers is refused; values of types that the station does not
+know are passed on unchecked.
 """
 
 import re
@@ -25,11 +25,11 @@ from station.core.parameters import Parameters
 from station.records.cdr import Values
 
 MOST_OFFERS = 100
-"""Most topics, services and actions that a client offers."""
+"""Most topics, services and actions of a client."""
 MOST_PENDING = 64
 """Most requests and goals that wait for one client."""
 PATIENCE = 120.0
-"""How long a service of a client may take [s]."""
+"""Longest call of a client's service [s]."""
 _NAME = re.compile(r"/[A-Za-z]\w*(/\w+)*", re.ASCII)
 _TYPE = re.compile(r"\w+(/\w+){1,2}", re.ASCII)
 _MOST_CHARACTERS = 200
@@ -43,11 +43,11 @@ _ANSWERED = {
     "action_result": "Result",
 }
 ABORTED = 6
-"""Status of ROS 2 of a goal that its server has given up."""
+"""ROS 2's status number of an aborted goal."""
 
 
 class Member(Protocol):
-    """A client that offers something."""
+    """A client that offers topics, services or actions."""
 
     outbox: Outbox
 
@@ -57,12 +57,12 @@ class Member(Protocol):
 
 @dataclass(slots=True)
 class ClientTopic(Topic):
-    """A topic of clients. It exists while a client publishes or subscribes.
+    """A topic of clients, which exists while a client publishes or subscribes.
 
     Attributes:
         publishers: Clients that publish.
         subscribers: Clients that subscribe.
-        latched: Message that a new subscriber gets at once; None for none.
+        latched: Message that a new subscriber gets at once; None without one.
     """
 
     publishers: set[Member] = field(default_factory=set)
@@ -78,8 +78,8 @@ class Offer(NamedTuple):
         name: Its name.
         type: Its type.
         member: The client.
-        written: The name as the client writes it.
-        is_ros2: Whether the client has given the type as ROS 2 does.
+        written: The name as the client has written it.
+        is_ros2: Whether the client has written the type in the style of ROS 2.
     """
 
     what: str
@@ -96,7 +96,7 @@ class Answer(NamedTuple):
     Attributes:
         op: The rosbridge operation of the answer.
         values: The result, or the text of an error.
-        status: State of the goal, as ROS 2 numbers it.
+        status: Status number of the goal in ROS 2.
         result: Whether `values` is a result; otherwise it is an error.
     """
 
@@ -113,17 +113,17 @@ class _Pending(NamedTuple):
 
 
 class Broker:
-    """Brings clients together. For one event loop.
+    """Connects clients with each other. Use it in one event loop only.
 
     Args:
         publish: Publishes a message: topic, type, message.
 
     Attributes:
         topics: The topics of clients by name.
-        services: Their services.
-        actions: Their actions.
-        parameters: Their parameters, of which the station knows nothing.
-        reserved: The first parts of the station's names.
+        services: The services of clients by name.
+        actions: The actions of clients by name.
+        parameters: The parameters of clients, which the station does not use.
+        reserved: First parts of names that belong to the station.
     """
 
     def __init__(self, publish: Callable[[str, str, Values], None]) -> None:
@@ -156,11 +156,11 @@ class Broker:
         return name.strip("/").partition("/")[0] in self.reserved
 
     def open_topic(self, name: str, type_name: str) -> ClientTopic:
-        """Return a new topic that clients publish to.
+        """Return a new topic to which clients publish.
 
         Raises:
-            RosTypeError: The name or the type is malformed, or the name is the
-                station's.
+            RosTypeError: The name or the type is malformed, or the name belongs to the
+                station.
         """
         kind, _ = self._checked_name(name, type_name)
 
@@ -178,7 +178,7 @@ class Broker:
         """Note that a client publishes to a topic.
 
         Raises:
-            RosTypeError: It offers too much.
+            RosTypeError: The client offers too many things.
         """
         try:
             if member not in topic.publishers:
@@ -207,17 +207,17 @@ class Broker:
             del self.topics[name]
 
     def offer(self, what: str, written: str, type_name: str, member: Member) -> Offer:
-        """Take the offer of a service or an action; return it.
+        """Note a client's service or action; return the offer.
 
         Args:
             what: services or actions.
-            written: Its name.
+            written: Its name as the client writes it.
             type_name: Its type.
             member: The client that offers it.
 
         Raises:
-            RosTypeError: The name or the type is malformed, the name is the station's
-                or another client's, or the client offers too much.
+            RosTypeError: The name or the type is malformed, the name belongs to the
+                station or to another client, or the client offers too many things.
         """
         name = f"/{written.strip('/')}"
         kind, is_ros2 = self._checked_name(name, type_name)
@@ -233,7 +233,7 @@ class Broker:
         """End an offer of a client.
 
         Raises:
-            RosTypeError: The client does not offer it.
+            RosTypeError: The client does not offer this.
         """
         found: Offer | None = getattr(self, what).get(f"/{name.strip('/')}")
         if found is None or found.member is not member:
@@ -241,7 +241,7 @@ class Broker:
         self._withdraw(found)
 
     def leave(self, member: Member) -> None:
-        """End all that a client offers and waits for."""
+        """End all offers and requests of a client that leaves."""
         for name in list(self.topics):
             self.leave_topic(name, member, publishes=True, subscribes=True)
         for offer in (*self.services.values(), *self.actions.values()):
@@ -258,16 +258,17 @@ class Broker:
         asker: Member,
         told: Callable[[Answer], None],
     ) -> str:
-        """Hand a request or a goal to the client that offers it; return its number.
+        """Pass a request or a goal to the offering client; return its number.
 
         Args:
             offer: The service or the action.
             args: The request or the goal.
-            asker: The client that asks.
-            told: Called with every answer.
+            asker: The client that makes the request.
+            told: Function that is called with every answer.
 
         Raises:
-            RosTypeError: The message is malformed, or too many wait for the client.
+            RosTypeError: The message is malformed, or too many requests wait for the
+                client.
         """
         op, key, part = _ASKED[offer.what]
         kind = f"{offer.type}{part}"
@@ -284,21 +285,21 @@ class Broker:
         return number
 
     async def cancel(self, number: str) -> None:
-        """Ask the client that has a goal to end it."""
+        """Ask the client that carries out a goal to cancel it."""
         pending = self._pending.get(number)
         if pending is not None:
             message = {"op": "cancel_action_goal", "action": pending.offer.written}
             pending.offer.member.outbox.answer(message, number)
 
     def forget(self, number: str) -> None:
-        """Wait for an answer no longer."""
+        """Stop waiting for an answer."""
         self._pending.pop(number, None)
 
     def hear(self, message: Mapping[str, Any], member: Member) -> None:
-        """Take the answer of a client to a request or a goal.
+        """Pass on the answer of a client to a request or a goal.
 
         Raises:
-            RosTypeError: It answers nothing, or is malformed.
+            RosTypeError: The message answers no request, or is malformed.
         """
         op, number = message["op"], str(message.get("id"))
         pending = self._pending.get(number)
@@ -307,8 +308,8 @@ class Broker:
         values, is_result = message.get("values"), message.get("result") is not False
         if op != "action_feedback":
             del self._pending[number]
-        # As in ROS 1, a service has answered when there is a message; `result` says
-        # the same once more, and roslibpy's servers say false.
+        # As in ROS 1, a response with a message counts as a success. `result` is
+        # ignored, because roslibpy's servers set it to false.
         if op == "service_response" and isinstance(values, Mapping):
             is_result = True
         status = message.get("status")
@@ -335,11 +336,11 @@ class Broker:
                 one.told(Answer(op, gone, ABORTED))
 
     def _checked_name(self, name: str, type_name: str) -> tuple[str, bool]:
-        """Return the type as ROS 1 names it, and whether it was given as ROS 2 does.
+        """Return the type's name in ROS 1, and whether it was written in ROS 2's style.
 
         Raises:
-            RosTypeError: The name or the type is malformed, or the name is the
-                station's.
+            RosTypeError: The name or the type is malformed, or the name belongs to the
+                station.
         """
         for pattern, what, given in ((_NAME, "name", name), (_TYPE, "type", type_name)):
             if len(given) > _MOST_CHARACTERS or not pattern.fullmatch(given):

@@ -9,11 +9,12 @@ from station.api.streams.stream_client import StreamPort
 from station.records.cdr import Values
 
 MOST_ANSWERS = 1000
-"""Most answers that wait for a client that does not read."""
+"""Most waiting answers for a client that does not read."""
 MOST_BYTES = 8_000_000
-"""Most bytes in all queues of a client together: pictures for some seconds."""
+"""Most bytes in all queues of a client together; enough for pictures of a few seconds.
+"""
 LEVELS = ("none", "error", "warning", "info")
-"""Levels of statuses, each with those before it."""
+"""Levels of statuses; each level includes those before it."""
 
 
 @dataclass(slots=True)
@@ -21,14 +22,15 @@ class Subscription:
     """A client's subscriptions to one topic.
 
     Attributes:
-        wishes: Throttle rate [s], queue length and form, by the client's identifier.
-        queue: Messages that wait, the oldest first.
+        wishes: Throttle rate [s], queue length and form of each subscription, by its
+            identifier.
+        queue: Waiting messages, the oldest first.
         due: When the next message may be sent [s, clock of the event loop].
-        size: Bytes of the messages that wait, as JSON.
-        lost: How many messages the client has lost because it did not read.
-        throttle: The lowest throttle rate [s].
-        length: The longest queue.
-        form: The form that was asked for last.
+        size: Size of the waiting messages as JSON [bytes].
+        lost: Number of messages that the client has lost because it did not read.
+        throttle: Shortest throttle rate of the subscriptions [s].
+        length: Length of the longest queue of the subscriptions.
+        form: The form that was requested last.
     """
 
     wishes: dict[str, tuple[float, int, Form]] = field(default_factory=dict)
@@ -41,37 +43,37 @@ class Subscription:
     form: Form = field(default_factory=Form)
 
     def settle(self) -> None:
-        """Combine the wishes of all subscriptions."""
+        """Combine the wishes of all subscriptions into throttle, length and form."""
         throttles, lengths, forms = zip(*self.wishes.values(), strict=True)
         self.throttle, self.length = min(throttles), max(lengths)
         self.form = forms[-1]
 
     def push(self, publication: Publication) -> None:
-        """Let a message wait."""
+        """Add a message to the queue."""
         self.queue.append(publication)
         self.size += publication.size
 
     def pop(self) -> Publication:
-        """Return the oldest message, which waits no longer."""
+        """Remove the oldest message from the queue, and return it."""
         publication = self.queue.popleft()
         self.size -= publication.size
         return publication
 
 
 class Outbox:
-    """Sends answers at once and messages of topics at their time. For one event loop.
+    """Sends answers at once, and messages of topics when they are due.
 
-    A client that does not read loses the oldest messages of each topic and learns how
-    many; no other client waits for it.
+    A client that does not read loses the oldest messages of each topic, and is told
+    their number; other clients do not wait for it. Use it in one event loop only.
 
     Args:
         port: The connection.
-        half_tick: Half the time between two ticks [s]: so early a message may be.
+        half_tick: Half the time between two ticks [s], by which a message may be early.
 
     Attributes:
         subscriptions: Subscriptions of the client, by topic.
-        level: The last of `LEVELS` whose messages the client wants.
-        overflown: Set when too many answers wait.
+        level: The level of `LEVELS` up to which the client wants statuses.
+        overflown: Event that is set when too many answers wait.
     """
 
     def __init__(self, port: StreamPort, half_tick: float) -> None:
@@ -83,7 +85,7 @@ class Outbox:
         self._answers: deque[bytes] = deque()
 
     def offer(self, publication: Publication, now: float) -> None:
-        """Take a message of a topic that the client has subscribed to.
+        """Send or queue a message of a subscribed topic.
 
         Args:
             publication: The message.
@@ -91,7 +93,7 @@ class Outbox:
         """
         one = self.subscriptions[publication.topic]
         is_free = self._can_write()
-        # Without a queue, a message that comes too early is left out, as asked for.
+        # Without a queue, the client wants messages that come too early to be left out.
         if is_free and not one.length and now + self._half_tick < one.due:
             return
         one.push(publication)
@@ -103,7 +105,7 @@ class Outbox:
             self._limit_bytes()
 
     def flush(self, now: float) -> None:
-        """Send the messages that waited for their time or for the client.
+        """Send the queued messages that are due, if the client reads.
 
         Args:
             now: Clock of the event loop [s].
@@ -122,7 +124,7 @@ class Outbox:
         Args:
             level: One of `LEVELS`.
             text: The event, as a sentence.
-            identifier: Of the client's message; None without one.
+            identifier: Identifier of the client's message; None without one.
         """
         if LEVELS.index(level) <= LEVELS.index(self.level):
             self.answer({"op": "status", "level": level, "msg": text[:500]}, identifier)
@@ -134,8 +136,8 @@ class Outbox:
 
         Args:
             message: The answer.
-            identifier: Of the client's message; None without one.
-            form: Its form.
+            identifier: Identifier of the client's message; None without one.
+            form: Form of the answer; None for plain JSON.
         """
         if identifier is not None:
             message["id"] = identifier
@@ -145,7 +147,7 @@ class Outbox:
             self.overflown.set()
 
     def resume(self) -> None:
-        """Go on with a client that reads again."""
+        """Send waiting messages to a client that reads again."""
         self._send_answers()
         self.flush(asyncio.get_running_loop().time())
 
@@ -157,17 +159,18 @@ class Outbox:
         return not self._answers and self._port.is_writable()
 
     def _limit_bytes(self) -> None:
-        """Drop the oldest messages of the topic that has most, until all fit."""
+        """Drop the oldest messages of the largest queue, until all queues fit."""
         found = self.subscriptions.values()
         while sum(one.size for one in found) > MOST_BYTES:
-            # Pictures must not push the states out, which are small.
+            # Shorten the largest queue, so that pictures do not displace small messages
+            # of states.
             largest = max(found, key=lambda one: one.size)
             largest.pop()
             largest.lost += 1
 
     def _flush(self, one: Subscription, now: float) -> None:
         while one.queue and now + self._half_tick >= one.due and self._can_write():
-            # A steady rate: a message that was late does not delay the next one.
+            # Keep a steady rate: a late message must not delay the next one.
             is_steady = now - one.due < one.throttle
             one.due = (one.due if is_steady else now) + one.throttle
             self._port.write_frame(one.pop().frames(one.form))

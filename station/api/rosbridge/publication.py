@@ -1,4 +1,4 @@
-"""A message on its way to subscribers: as JSON, PNG or CBOR, in WebSocket frames.
+"""Encode a message for subscribers: as JSON, PNG or CBOR, in WebSocket frames.
 
 Source: RobotWebTools/rosbridge_suite ROSBRIDGE_PROTOCOL.md, 3.1 to 3.4; RFC 8949 (CBOR)
 and RFC 8746 (typed arrays).
@@ -21,7 +21,7 @@ from station.api.rosbridge.ros_types import fields_of, in_style, serialized
 from station.records.cdr import Values
 
 COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
-# RFC 8746: tag and code of an array of numbers in little-endian order.
+# RFC 8746: tag and `struct` code of arrays of numbers in little-endian order.
 _TYPED_ARRAYS = {"float64": (86, "d"), "int32": (78, "i"), "uint32": (70, "I")}
 _PIXEL = 3
 _fragment_numbers = count()
@@ -32,9 +32,9 @@ class Form(NamedTuple):
 
     Attributes:
         compression: One of `COMPRESSIONS`.
-        is_ros2: Whether times and headers are those of ROS 2.
-        fragment_size: Most characters of a frame; 0 without limit.
-        topic: The topic as the client has written it; its own name when empty.
+        is_ros2: Whether times and headers have the form of ROS 2.
+        fragment_size: Most characters of a frame; 0 for no limit.
+        topic: The topic as the client has written it; empty for the topic's own name.
     """
 
     compression: str = "none"
@@ -44,13 +44,13 @@ class Form(NamedTuple):
 
 
 class Publication:
-    """A message of a topic; each encoding is made once for all subscribers.
+    """A message of a topic, which is encoded once per form for all subscribers.
 
     Args:
         topic: Name of the topic.
         type_name: Type of the message.
         message: The message.
-        stamp: Its time [ns since 1970].
+        stamp: Wall time of the message [ns since 1970].
     """
 
     def __init__(self, topic: str, type_name: str, message: Values, stamp: int) -> None:
@@ -62,7 +62,7 @@ class Publication:
 
     @cached_property
     def size(self) -> int:
-        """Bytes of the message as JSON, about as many as in its other forms."""
+        """Size of the message as JSON [bytes], which is similar in the other forms."""
         return len(orjson.dumps(self._message, default=_base64))
 
     def frames(self, form: Form) -> bytes:
@@ -90,13 +90,13 @@ class Publication:
 
 
 def text_frames(message: Values, form: Form) -> bytes:
-    """Return the frames of a message as JSON, as a picture or in fragments if asked.
+    """Return the frames of a message as JSON, in a picture or in fragments on request.
 
     Args:
         message: The message; numbers that are not finite become null.
         form: The form; its compression is `none` or `png`.
     """
-    # Bytes, as those of a picture, are base64 in JSON.
+    # JSON has bytes, e.g. of a picture, as base64.
     data = orjson.dumps(message, default=_base64)
     if form.compression == "png":
         data = orjson.dumps({"op": "png", "data": _base64(png(data))})
@@ -127,7 +127,7 @@ def png(data: bytes) -> bytes:
     padded = data.ljust(width * height * _PIXEL, b"\n")
     line = width * _PIXEL
     rows = (padded[k * line : (k + 1) * line] for k in range(height))
-    # Every row begins with its filter: 0, none.
+    # Every row begins with the number of its filter: 0 for none.
     pixels = zlib.compress(b"".join(b"\0" + row for row in rows))
     head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits of RGB
     chunks = ((b"IHDR", head), (b"IDAT", pixels), (b"IEND", b""))
@@ -141,7 +141,7 @@ def png(data: bytes) -> bytes:
 
 
 class _Typed(NamedTuple):
-    """A message with its type, by which its arrays of numbers are packed."""
+    """A message with its type, which determines how arrays of numbers are packed."""
 
     type_name: str
     message: Values
@@ -194,7 +194,7 @@ def _cbor_message(typed: _Typed) -> bytes:
 
 
 def _head(major: int, number: int) -> bytes:
-    """Return the first bytes of a value: its kind, and its length or number.
+    """Return the head of a CBOR value: its kind, and its length or number.
 
     Raises:
         ValueError: The number has more than 64 bits.

@@ -20,23 +20,24 @@ from station.records.cdr import Values
 
 
 class RosGraph:
-    """Topics, services and actions there are at the moment. For one event loop.
+    """The present topics, services and actions. Use it in one event loop only.
 
     Args:
         station: The station.
-        urdf: The robot for transforms; None sends none.
+        urdf: The robot, for transforms; None sends no transforms.
         texts: Text by topic, such as `/robot_description`.
-        log: The events.
+        log: The event log.
         cameras: The station's cameras.
         publish: Publishes a message: topic, type, message.
 
     Attributes:
         station: The station.
         broker: Topics, services and actions that clients offer to each other.
-        topics: The topics by name: the station's first, then those of clients.
-        services: The services by name, likewise.
-        actions: The actions by name, likewise.
-        clock: Makes the messages of cycles, and knows their time.
+        topics: All topics by name; the station's topics hide those of clients.
+        services: All services by name, in the same way.
+        actions: All actions by name, in the same way.
+        clock: The station's topics, which make the messages of cycles and know their
+            time.
         goals: Follows the goals of clients.
     """
 
@@ -75,7 +76,7 @@ class RosGraph:
         return [(one.name, one.type) for one in conditions]
 
     def refresh(self) -> None:
-        """Look which controllers are loaded."""
+        """Update topics, services and actions to the loaded controllers."""
         self._known = self._loaded()
         actions, own = list(self.goals.all()), self.topics.maps[0]
         topics = list(self.clock.all())
@@ -87,7 +88,8 @@ class RosGraph:
         self.actions.maps[0] = {one.name: one for one in actions}
         for action in actions:
             topics += self.goals.topics_of(action)
-        # A topic that stays keeps its time, and what it has sent last.
+        # Keep the object of a topic that stays, with the time and content of its last
+        # message.
         self.topics.maps[0] = {
             one.name: old
             if (old := own.get(one.name)) is not None and old.type == one.type
@@ -107,13 +109,14 @@ class RosGraph:
         Args:
             what: topics, services or actions.
             name: Its name.
-            type_name: Its type in either style; any when empty.
+            type_name: Its type in either style; empty accepts any type.
 
         Raises:
             RosTypeError: The name is unknown, or it has another type.
         """
         name, known = path_of(name), getattr(self, what)
-        # Looking anew costs a millisecond, and a client may ask for anything.
+        # A refresh costs a millisecond, and clients may ask often, so refresh only
+        # after a change.
         if name not in known.maps[0] and self._known != self._loaded():
             self.refresh()
         if name not in known:
@@ -129,5 +132,5 @@ class RosGraph:
 
 
 def path_of(name: object) -> str:
-    """Return a name from the root: roslibjs asks for `rosapi/topics`."""
+    """Return a name with a leading slash, which roslibjs omits: `rosapi/topics`."""
     return f"/{str(name).strip('/')}"

@@ -1,9 +1,9 @@
-"""Types of ROS: definitions of messages, and values that are checked against them.
+"""Types of ROS: definitions of messages, and checks of values against them.
 
-Inside of this package a message has the fields of ROS 2 and those of ROS 1 under one
-name: times are `{"sec", "nanosec"}`, a header has a stamp and a frame. A client that
-names a type as `sensor_msgs/JointState` gets it as ROS 1 has it (`secs`, `nsecs`, a
-`seq` in the header), one that names `sensor_msgs/msg/JointState` as ROS 2 has it.
+Inside of this package messages have the form of ROS 2: times are `{"sec", "nanosec"}`,
+a header has a stamp and a frame. A client that names a type `sensor_msgs/JointState`
+gets the form of ROS 1 (`secs`, `nsecs`, a `seq` in the header). A client that names it
+`sensor_msgs/msg/JointState` gets the form of ROS 2.
 
 Source: the interfaces are those of ros_control, franka_ros@c11f000, rosapi and common
 messages of ROS Noetic, in `ros_interfaces.txt`.
@@ -24,7 +24,7 @@ from station.records.cdr import PRIMITIVES, Field, MessageType, Values, read_fie
 from station.records.messages import header
 
 _SEPARATOR = "=" * 80 + "\n"
-# Codes of the seconds and the nanoseconds in a message of ROS 1.
+# `struct` codes of seconds and nanoseconds in a message of ROS 1.
 _TIMES = {"time": "I", "duration": "i"}
 _RANGES = {
     "int8": (-(2**7), 2**7 - 1),
@@ -37,7 +37,7 @@ _RANGES = {
 }
 _LARGEST = {"float32": 3.4e38, "float64": sys.float_info.max}
 _MOST_DEPTH = 30
-"""Most levels of a message whose type only clients know."""
+"""Most nested levels of a message whose type only clients know."""
 _MIDDLES = {"msg", "srv", "action"}
 _HEADER = "std_msgs/Header"
 _ACTION_HEAD = "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
@@ -53,7 +53,7 @@ class RosType:
     """A message type.
 
     Args:
-        name: Name as ROS 1 has it, `sensor_msgs/JointState`.
+        name: Name in the style of ROS 1, e.g. `sensor_msgs/JointState`.
         text: Its definition.
 
     Attributes:
@@ -70,7 +70,7 @@ class RosType:
 
 
 def _read_all() -> tuple[dict[str, RosType], dict[str, str]]:
-    """Return the message types, and the kinds of interfaces, both by name."""
+    """Return the message types by name, and the kinds of interfaces by name."""
     types: dict[str, RosType] = {}
     kinds: dict[str, str] = {}
     text = files(__package__).joinpath("ros_interfaces.txt").read_text("utf-8")
@@ -97,7 +97,7 @@ _PARTS = {
 _TYPES, _KINDS = _read_all()
 
 
-# What packages are called in ROS 2.
+# Names of packages that differ in ROS 2.
 _RENAMED = (
     ("rosapi_msgs/", "rosapi/"),
     ("tf2_web_republisher_interfaces/", "tf2_web_republisher/"),
@@ -105,7 +105,7 @@ _RENAMED = (
 
 
 def split_style(name: str) -> tuple[str, bool]:
-    """Return a type's name as ROS 1 has it, and whether it was given as ROS 2 does."""
+    """Return a type's name in ROS 1, and whether it was written in ROS 2's style."""
     for long, short in _RENAMED:
         name = name.replace(long, short)
     package, *middle = name.split("/")
@@ -114,10 +114,10 @@ def split_style(name: str) -> tuple[str, bool]:
 
 
 def find_type(name: str) -> RosType:
-    """Return a message type by either name.
+    """Return a message type by its name in ROS 1 or ROS 2.
 
     Raises:
-        RosTypeError: There is no such type.
+        RosTypeError: The type is unknown.
     """
     found = _TYPES.get(split_style(name)[0])
     if found is None:
@@ -128,28 +128,29 @@ def find_type(name: str) -> RosType:
 
 
 def fields_of(type_name: str) -> dict[str, Field]:
-    """Return a type's fields by name in their order; none of a type of clients."""
+    """Return a type's fields by name in their order; empty for types of clients."""
     known = _TYPES.get(type_name)
     return {} if known is None else {field.name: field for field in known.fields}
 
 
 def interfaces() -> list[str]:
-    """Return all interfaces, as ROS 2 names them: `std_srvs/srv/Trigger`."""
+    """Return the names of all interfaces in ROS 2's style: `std_srvs/srv/Trigger`."""
     found = (key.split() for key in _KINDS)
     return [name.replace("/", f"/{kind.lower()}/") for kind, name in found]
 
 
 def checked(type_name: str, values: object, where: str = "msg") -> Values:
-    """Return a client's message with all its fields; absent ones have their default.
+    """Return a client's message, with defaults for absent fields.
 
     Args:
-        type_name: Type of the message, as ROS 1 has it. One that the station does not
-            know is left as it is: only clients have it.
+        type_name: Type of the message in ROS 1's style. A message of a type that only
+            clients know is returned as it is.
         values: The message of the client.
         where: Name of the message in refusals.
 
     Raises:
-        RosTypeError: A field is unknown or its value does not fit; it is named.
+        RosTypeError: A field is unknown, or its value does not fit; the message names
+            it.
     """
     if values is None:
         values = {}
@@ -172,16 +173,16 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
         if field.name in values
         else _default(field)
         for field in kind.fields
-        # The `seq` of a header is made anew for ROS 1, and ROS 2 has none.
+        # Drop the `seq` of a header: ROS 2 has none, and for ROS 1 a new one is made.
         if kind.name != _HEADER or field.name != "seq"
     }
 
 
 def _check_depth(value: object, where: str, left: int = _MOST_DEPTH) -> None:
-    """Refuse a value whose nesting is too deep to be written.
+    """Refuse a value that is nested too deeply to be written.
 
     Raises:
-        RosTypeError: It is.
+        RosTypeError: The value is nested too deeply.
     """
     if left == 0:
         raise RosTypeError(f"'{where}' has more than {_MOST_DEPTH} levels.")
@@ -211,10 +212,10 @@ def _checked_field(field: Field, value: object, where: str) -> object:
 
 
 def _checked_one(kind: str, value: object, where: str) -> object:
-    """Return a value that is not a list.
+    """Return a checked single value.
 
     Raises:
-        RosTypeError: It does not fit its type.
+        RosTypeError: The value does not fit its type.
     """
     if kind in _TIMES:
         return _checked_time(kind, value, where)
@@ -234,7 +235,7 @@ def _checked_one(kind: str, value: object, where: str) -> object:
 
 
 def _checked_integer(kind: str, value: object, where: str) -> int:
-    # roslibpy's headers have a `seq` that is null.
+    # Headers of roslibpy have the `seq` null.
     if value is None:
         return 0
     low, high = _RANGES[kind]
@@ -248,10 +249,10 @@ def _checked_integer(kind: str, value: object, where: str) -> int:
 
 
 def _checked_time(kind: str, value: object, where: str) -> Values:
-    """Return a time or a duration, from the names of ROS 1 or of ROS 2.
+    """Return a time or a duration from its form in ROS 1 or ROS 2.
 
     Raises:
-        RosTypeError: The value is no time.
+        RosTypeError: The value is not a time.
     """
     given = {} if value is None else value
     if not isinstance(given, Mapping) or given.keys() - {
@@ -271,7 +272,7 @@ def _checked_time(kind: str, value: object, where: str) -> Values:
 
 
 def _refuse(where: str, value: object, wanted: str) -> NoReturn:
-    """Refuse a value.
+    """Raise the error of a value that does not fit.
 
     Raises:
         RosTypeError: Always.
@@ -280,7 +281,8 @@ def _refuse(where: str, value: object, wanted: str) -> NoReturn:
 
 
 def _shown(value: object) -> str:
-    # `repr` raises for deeply nested lists and for numbers of thousands of digits.
+    # `repr` raises an error for deeply nested lists and for numbers of thousands of
+    # digits.
     if isinstance(value, list | Mapping) or (
         isinstance(value, int) and abs(value) > 2**64
     ):
@@ -303,15 +305,16 @@ def _default_of(kind: str) -> object:
 
 
 def filled(type_name: str, source: Mapping[str, Any], stamp: int) -> Values:
-    """Return a message with values of a report, by the names of their fields.
+    """Return a message filled with the values of a report of the same names.
 
-    A vector or quaternion may be a list, flags may be the list of those that are set,
-    and a message that the report does not have is made of the report's own values.
+    In the report, a vector or quaternion may be a list, and flags may be the list of
+    the set ones. A message inside of the message that the report lacks is filled from
+    the report, too.
 
     Args:
         type_name: Type of the message.
         source: The report.
-        stamp: Time for its header [ns].
+        stamp: Time for its header [ns since 1970].
     """
     message: Values = {}
     for field in _TYPES[type_name].fields:
@@ -337,14 +340,14 @@ def filled(type_name: str, source: Mapping[str, Any], stamp: int) -> Values:
 
 
 def time_of(nanoseconds: int) -> dict[str, int]:
-    """Return a time or a duration."""
+    """Return a time or a duration as a message of ROS 2."""
     seconds, rest = divmod(nanoseconds, 1_000_000_000)
     return {"sec": seconds, "nanosec": rest}
 
 
 @cache
 def _changes(kind: str) -> bool:
-    """Return whether a type differs between ROS 1 and ROS 2."""
+    """Return whether the form of a type differs between ROS 1 and ROS 2."""
     if kind in _TIMES or kind == _HEADER:
         return True
     found = _TYPES.get(kind)
@@ -352,8 +355,8 @@ def _changes(kind: str) -> bool:
 
 
 def in_style(type_name: str, message: Values, *, ros2: bool) -> Values:
-    """Return a message as ROS 2 or ROS 1 has it."""
-    # Types of clients are not asked for: what `_changes` has found, it keeps.
+    """Return a message in the form of ROS 2 or of ROS 1."""
+    # Do not call `_changes` for types of clients, because it caches every result.
     if ros2 or type_name not in _TYPES or not _changes(type_name):
         return message
     return _as_ros1(type_name, message)
@@ -377,7 +380,7 @@ def _ros1_changes(type_name: str, message: Values) -> Iterator[tuple[str, object
 
 
 def serialized(type_name: str, message: Values, *, ros2: bool) -> bytes:
-    """Return a message as bytes: CDR for ROS 2, and as ROS 1 packs it otherwise.
+    """Return a message as bytes: CDR for ROS 2, or in the encoding of ROS 1.
 
     Raises:
         struct.error: A value does not fit its field.
@@ -390,7 +393,7 @@ def serialized(type_name: str, message: Values, *, ros2: bool) -> bytes:
 
 
 def _pack(kind: str, value: Any, found: bytearray) -> None:  # noqa: ANN401 - as its field
-    """Add a value to a message of ROS 1, where nothing is aligned."""
+    """Append a value to a message of ROS 1, which has no alignment."""
     if kind in _TIMES:
         code = _TIMES[kind]
         found += struct.pack(f"<{code}{code}", value["sec"], value["nanosec"])
@@ -413,7 +416,7 @@ def _pack(kind: str, value: Any, found: bytearray) -> None:  # noqa: ANN401 - as
 
 @cache
 def message_type(type_name: str) -> MessageType:
-    """Return a message type of ROS 2 with its definition and those of its parts."""
+    """Return a message type of ROS 2, with the definitions of all types in it."""
     names = [type_name, *_parts_of(type_name)]
     texts = [_ros2_text(_TYPES[name]) for name in names]
     for kind in _TIMES:
@@ -425,7 +428,7 @@ def message_type(type_name: str) -> MessageType:
 
 
 def _parts_of(type_name: str) -> list[str]:
-    """Return the types inside of a type, each once."""
+    """Return the types that a type contains, each once."""
     found: dict[str, None] = {}
     for field in _TYPES[type_name].fields:
         if field.kind in _TYPES:
@@ -447,10 +450,10 @@ def _ros2_text(kind: RosType) -> str:
 
 
 def type_definitions(type_name: str) -> list[Values]:
-    """Return a type and the types inside of it as `rosapi/TypeDef`.
+    """Return a type and the types that it contains as `rosapi/TypeDef`.
 
     Raises:
-        RosTypeError: There is no such type.
+        RosTypeError: The type is unknown.
     """
     first = find_type(type_name)
     kinds = [first, *(_TYPES[name] for name in _parts_of(first.name))]

@@ -1,8 +1,8 @@
 """The services of rosapi: lists of topics, services and nodes, types, parameters.
 
 Source: RobotWebTools/rosbridge_suite rosapi; differs: `delete_param` and `set_param`
-refuse with the reason, and the parameters are those of the station, besides which
-clients have their own.
+refuse with the reason; the parameters are those of the station, and clients have
+further ones of their own.
 """
 
 import json
@@ -29,10 +29,11 @@ if TYPE_CHECKING:
     from station.api.rosbridge.ros_graph import RosGraph
 
 _NODES = ["/station", "/rosapi", "/rosbridge_websocket"]
-# Whose messages the station has; clients ask for it to tell ROS 1 from ROS 2.
+# Distribution whose messages the station has; clients use it to distinguish ROS 1 and
+# ROS 2.
 _DISTRIBUTION = {"rosdistro": "noetic\n"}
 MOST_CHARACTERS = 100_000
-"""Longest parameters of all clients together, as JSON."""
+"""Largest size of the parameters of all clients together, as JSON [characters]."""
 _DETAILS = {
     "message": ("",),
     "service": ("Request", "Response"),
@@ -43,7 +44,7 @@ _Answer = Callable[[Values], Mapping[str, object] | None]
 
 
 class Rosapi:
-    """Makes the services of rosapi.
+    """Provides the services of rosapi.
 
     Args:
         graph: Topics, services and nodes.
@@ -51,7 +52,7 @@ class Rosapi:
 
     def __init__(self, graph: "RosGraph") -> None:
         self._there_is = graph
-        # What the station has hides what a client has left under the same name.
+        # A parameter of the station hides a client's parameter of the same name.
         self._servers = (graph.station.parameter_server, graph.broker.parameters)
 
     def all(self) -> Iterator[RosService]:
@@ -73,8 +74,8 @@ class Rosapi:
     def _is_clients(self, client: ToolClient, request: Values) -> bool:
         """Return whether a parameter belongs to clients only.
 
-        Those of the station are for operators. A viewer's are of the kind in which
-        pages and scripts leave each other values.
+        Only operators may change the station's parameters. Viewers may change those of
+        clients, by which pages and scripts exchange values.
         """
         if not client.access.role.includes(Role.OPERATOR):
             return not self._there_is.broker.is_reserved(request["name"])
@@ -122,7 +123,7 @@ class Rosapi:
         return found
 
     def _users(self, name: str, role: int) -> list[str]:
-        """Return the nodes that publish (role 0) or subscribe to (1) a topic."""
+        """Return the nodes that publish (role 0) or subscribe to (role 1) a topic."""
         topic = self._there_is.topics.get(name)
         if isinstance(topic, ClientTopic):
             members = (topic.publishers, topic.subscribers)[role]
@@ -147,7 +148,7 @@ class Rosapi:
         }
 
     def _names(self) -> Iterator[str]:
-        """Yield the names of all parameters that are no namespaces."""
+        """Yield the names of all parameters, without namespaces."""
         trees = [("", one.get()) for one in self._servers]
         pending = [*trees, *_DISTRIBUTION.items()]
         while pending:
@@ -166,7 +167,7 @@ class Rosapi:
         return _DISTRIBUTION.get(path)
 
     def _get(self, request: Values) -> Values:
-        """Return a parameter as JSON, or the default that the client names."""
+        """Return a parameter as JSON, or the client's default."""
         found = self._find(request["name"])
         if found is None:
             return {"value": request["default"] or "null"}
@@ -176,7 +177,7 @@ class Rosapi:
         """Set a parameter.
 
         Raises:
-            ParameterError: The value is no JSON, or the parameter cannot be set.
+            ParameterError: The value is not JSON, or the parameter cannot be set.
         """
         server, path = self._servers[0], request["name"].strip("/")
         if self._is_clients(client, request):

@@ -1,4 +1,4 @@
-"""A port of its own for clients of rosbridge."""
+"""The tool port for clients of rosbridge."""
 
 import asyncio
 from collections.abc import Mapping
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from station.api.services import Services
 
 _REFRESH_EVERY = 50
-"""Ticks between two looks whether controllers were loaded or unloaded."""
+"""Ticks between two checks whether controllers were loaded or unloaded."""
 
 
 class RosbridgePort(ToolPort[RosbridgeSession]):
-    """An application for one port: WebSockets in the words of rosbridge.
+    """The application at the tool port that speaks the rosbridge protocol.
 
     Args:
         app: The application of the API, whose station, tokens and lease it shares.
-        urdf: The robot for transforms; None sends none.
+        urdf: The robot, for transforms; None sends no transforms.
         texts: Text by topic, such as `/robot_description`.
         place: Address of the port, and the clients that it admits.
     """

@@ -1,4 +1,4 @@
-"""The services of a station under the names and types of ros_control and franka_ros."""
+"""The station's services under the names and types of ros_control and franka_ros."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -43,13 +43,13 @@ class RosService:
     Attributes:
         name: Its name.
         type: Its type.
-        call: Carries a request out; may wait, for a worker thread. What it returns is
-            the response, without the fields that say that it succeeded.
-        changes: Whether it changes something, so that it needs an operator who is not
-            kept out by the lease.
-        is_quick: Whether `call` returns at once and must not wait for a thread.
-        is_free: Returns whether a request changes nothing of the station, although
-            others of the service do; None when no request is such.
+        call: Function that carries a request out and may block, so call it in a worker
+            thread. It returns the response without the fields that tell the success.
+        changes: Whether it changes the station, so that it needs an operator whom the
+            lease allows.
+        is_quick: Whether `call` returns at once, so that it needs no thread.
+        is_free: Function that returns whether a particular request changes nothing of
+            the station; None if all requests change it.
     """
 
     name: str
@@ -61,11 +61,11 @@ class RosService:
 
 
 class StationServices:
-    """Makes the services of a station.
+    """Provides the services of a station.
 
     Args:
         station: The station.
-        topics: Its topics, whose clock the services have.
+        topics: Topics of the station, whose clock the services use.
     """
 
     def __init__(self, station: Station, topics: StationTopics) -> None:
@@ -73,7 +73,7 @@ class StationServices:
         self._topics = topics
 
     def all(self) -> Iterator[RosService]:
-        """Yield the services that there are now, besides those of rosapi."""
+        """Yield the present services, besides those of rosapi."""
         yield from self._of_manager()
         trigger = "std_srvs/Trigger"
         yield RosService("/stop", trigger, self._stop, is_quick=True)
@@ -132,7 +132,8 @@ class StationServices:
                 "control_msgs/QueryTrajectoryState",
                 partial(self._query_state, name),
             )
-        # ros_control has a server for the gains of each joint; here is one for all.
+        # ros_control has a server for the gains of each joint; add one for all gains,
+        # too.
         joints = {key.rpartition("/")[0] for key in controller.tunables.values} - {""}
         form = "/gains/{}" if controller.trajectories is not None else "/{}/pid"
         places = {"": ""} | {f"{one}/": form.format(one) for one in sorted(joints)}
@@ -218,7 +219,7 @@ class StationServices:
         """Set the thresholds of contact and collision.
 
         Raises:
-            RosTypeError: A threshold is impossible.
+            RosTypeError: A threshold is not allowed.
         """
         try:
             wanted = model.model_validate(request)
@@ -243,11 +244,11 @@ class StationServices:
     def _reconfigure(
         self, name: str, prefix: str, _: ToolClient, request: Values
     ) -> Values:
-        """Set gains; an empty request reads them.
+        """Set gains; an empty request only reads them.
 
         Raises:
-            RosTypeError: The request has texts or truth values, which no gain has.
-            StationError: It is refused.
+            RosTypeError: The request has texts or truth values, which gains are not.
+            StationError: The station refuses the gains.
         """
         config = request["config"]
         for key in ("bools", "strs"):

@@ -44,36 +44,36 @@ if TYPE_CHECKING:
     from station.api.streams.stream_client import StreamPort
 
 MOST_SUBSCRIPTIONS = 200
-"""Most topics that a client subscribes to, and most subscriptions to each."""
+"""Most topics to which a client may subscribe, and most subscriptions to each."""
 MOST_QUEUED = 2000
 """Most messages in all queues of a client together."""
 MOST_CALLS = 8
-"""Most services and goals of a client that begin at a time, and most messages of which
-parts are missing."""
+"""Most calls and goals of a client that begin at the same time, and most incomplete
+messages."""
 MOST_FRAGMENTS = 1000
-"""Most parts of a message; together they have at most so many thousand characters."""
+"""Most parts of a message; together they have at most 1000 times as many characters."""
 _ALIKE = 0.8
-"""How much alike two names are if one is taken for a slip of the other."""
+"""Similarity from which a name counts as a misspelling of another one."""
 _AUTH_WINDOW = 5.0
-"""How far the time of an authentication may be from the station's [s]."""
-# They go on beside the messages that follow: a stop never waits for a switch.
+"""Largest difference of the time in an authentication from the station's time [s]."""
+# These operations run beside later messages, so that a stop never waits for a switch.
 _LONG = frozenset({"call_service", "send_action_goal", "cancel_action_goal"})
-# What clients send that does not keep to the protocol.
+# Errors that messages of clients cause if they violate the protocol.
 _NO_MESSAGE = (ValueError, TypeError, AttributeError, LookupError, RecursionError)
 _log = logging.getLogger(__name__)
 Message = Mapping[str, Any]
 
 
 class RosbridgeSession:
-    """Talks to one client, in the event loop of the API.
+    """Serves one client, in the event loop of the API.
 
     Args:
         client: The client, with its rights.
-        graph: Topics, services and actions that the client can reach.
+        graph: Topics, services and actions for the client.
         half_tick: Half the time between two ticks [s].
 
     Attributes:
-        outbox: Messages that wait to be sent to the client.
+        outbox: Queue of messages to the client.
     """
 
     def __init__(self, client: ToolClient, graph: RosGraph, half_tick: float) -> None:
@@ -108,15 +108,15 @@ class RosbridgeSession:
         }
 
     async def greet(self) -> None:
-        """Begin; the client speaks first."""
+        """Prepare the connection; the client sends the first message."""
         self._port.listen(self.outbox.resume)
 
     async def feed(self, _: float) -> None:
-        """Wait until too many answers wait; slow subscribers lose messages instead."""
+        """Wait until too many answers wait; messages of topics are dropped instead."""
         await self.outbox.overflown.wait()
 
     async def listen(self) -> None:
-        """Answer the client's messages; return when it is gone."""
+        """Answer the client's messages; return when the client has left."""
         try:
             while True:
                 message = await self._client.websocket.receive()
@@ -131,10 +131,10 @@ class RosbridgeSession:
                 call.cancel()
 
     async def _take(self, data: str | bytes) -> None:
-        """Carry a message out, or send its fault to the client.
+        """Carry out a message, or report its fault to the client.
 
         Raises:
-            RosTypeError: Never; the client gets a status.
+            RosTypeError: Never raised; the client gets a status.
         """
         found: list[object] = [None]
         with self._told(found):
@@ -162,11 +162,12 @@ class RosbridgeSession:
     def _told(
         self, identifier: list[object], answer: Callable[[str], None] | None = None
     ) -> Iterator[None]:
-        """Tell the client of a refusal in the body of a `with`.
+        """Report a refusal in the body of a `with` to the client.
 
         Args:
-            identifier: Of the message, once it is known.
-            answer: Sends a reason as the answer that the client waits for, too.
+            identifier: List for the identifier of the message, filled when it is known.
+            answer: Function that also sends the reason as the answer for which the
+                client waits.
         """
         try:
             yield
@@ -186,7 +187,7 @@ class RosbridgeSession:
         self.outbox.tell("warning", text)
 
     def _topic(self, message: Message, *, opens: bool = False) -> Topic:
-        """Return a topic; with its type, one that clients have not had yet.
+        """Return a topic; a message with a type may open a new topic of clients.
 
         Raises:
             RosTypeError: The topic is unknown, or it has another type.
@@ -199,7 +200,8 @@ class RosbridgeSession:
                 raise
             near = get_close_matches(name, self._graph.topics, 1, _ALIKE)
             found = self._graph.broker.open_topic(name, kind)
-            # Who is first here is usually right, and roslibpy logs a status as a fault.
+            # A client that comes before the publisher is usually right, and roslibpy
+            # logs a status as a fault, so warn only if a similar topic exists.
             if message["op"] == "subscribe" and near:
                 self.tell(f"Nobody publishes '{name}' yet. {error.remedy}".strip())
         return found
@@ -214,10 +216,10 @@ class RosbridgeSession:
         self._writable(message)
 
     def _writable(self, message: Message) -> Topic:
-        """Return a topic that clients may publish to.
+        """Return a topic to which clients may publish.
 
         Raises:
-            RosTypeError: They may not.
+            RosTypeError: Clients may not publish to the topic.
         """
         topic = self._topic(message, opens=message["op"] == "advertise")
         if topic.write is None:
@@ -255,7 +257,7 @@ class RosbridgeSession:
         self._graph.broker.hear(message, self)
 
     async def _run(self, function: Any, is_quick: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
-        """Call a function with values of the client, in a thread unless it is quick."""
+        """Call a function with values of the client; in a thread unless it is quick."""
         if not is_quick:
             threads = self._graph.goals.threads
             return await anyio.to_thread.run_sync(
@@ -268,15 +270,16 @@ class RosbridgeSession:
     def _recorded(
         self, what: str, *, changes: bool = True, free: int = 10
     ) -> Iterator[None]:
-        """Check that the client may change something, and record how that ended.
+        """Check that the client may make a change, and record its end.
 
         Args:
             what: The change.
-            changes: Whether it is one of the station; nothing is done otherwise.
-            free: How many such events are recorded before they are counted.
+            changes: Whether it changes the station; otherwise this does nothing.
+            free: Number of such events that are recorded before they are only counted.
 
         Raises:
-            StationError: It may not, or the body of the `with` was refused.
+            StationError: The client may not make changes, or the body of the `with` was
+                refused.
         """
         if not changes:
             yield
@@ -293,7 +296,8 @@ class RosbridgeSession:
         """Subscribe to a topic.
 
         Raises:
-            RosTypeError: The client has too many subscriptions, or a wish is wrong.
+            RosTypeError: The client has too many subscriptions, or an option is not
+                allowed.
         """
         name, identifier = path_of(message["topic"]), str(message.get("id"))
         form = _form_of(message, message.get("type"), COMPRESSIONS)
@@ -394,7 +398,8 @@ class RosbridgeSession:
 
         Raises:
             RosTypeError: The request is malformed.
-            StationError: It is refused, and the response has no field to say so.
+            StationError: The request is refused, and the response has no field for a
+                refusal.
         """
         kind, response = f"{service.type}Request", f"{service.type}Response"
         request = checked(kind, _named(service.type, args), "args")
@@ -417,7 +422,7 @@ class RosbridgeSession:
         return filled(response, _SUCCEEDED | dict(found or {}), 0)
 
     async def _send_goal(self, message: Message) -> None:
-        """Give a goal as ROS 2 has it; feedback and result follow."""
+        """Send a goal in the way of ROS 2; its feedback and its result follow."""
         name, identifier = str(message.get("action")), message.get("id")
         form = Form()
 
@@ -444,7 +449,7 @@ class RosbridgeSession:
                 answer(found.op, values)
 
         with self._told([identifier], refuse):
-            # The operation is that of ROS 2; a type may say otherwise.
+            # The operation belongs to ROS 2, but the type may have the style of ROS 1.
             kind = message.get("action_type")
             form = _form_of(message, kind or "/action/", COMPRESSIONS[:2])
             action: Action | Offer = self._graph.find("actions", name, str(kind or ""))
@@ -477,7 +482,7 @@ class RosbridgeSession:
         """Collect the parts of a message.
 
         Raises:
-            RosTypeError: There are too many.
+            RosTypeError: The message has too many parts.
         """
         name, total = str(message["id"]), _number(message, "total", MOST_FRAGMENTS)
         number = _number(message, "num", max(total - 1, 0))
@@ -492,13 +497,14 @@ class RosbridgeSession:
             await self._take("".join(parts[k] for k in range(total)))
 
     async def _authenticate(self, message: Message) -> None:
-        """Take the rights of the token that a MAC was made with.
+        """Give the client the rights of the token with which a MAC was made.
 
         Source: GT-RAIL/rosauth, ros_mac_authentication.cpp: SHA-512 over the secret
         and the fields of the message.
 
         Raises:
-            RosTypeError: It was made with no token of the station, or used before.
+            RosTypeError: The MAC was not made with a token of the station, or was used
+                before.
         """
         keys = ("client", "dest", "rand", "t", "level", "end")
         text = "".join(str(message[key]) for key in keys)
@@ -530,14 +536,14 @@ _SUCCEEDED: Values = {"ok": True, "success": True}
 
 
 def _answer_of(progress: Progress) -> Answer:
-    """Return the message with which ROS 2 reports a goal."""
+    """Return the message that reports a goal in ROS 2."""
     op = "action_result" if progress.status in ROS2 else "action_feedback"
     status = ROS2.get(progress.status, 0)
     return Answer(op, dict(progress.values), status, result=True)
 
 
 def _named(type_name: str, args: object) -> object:
-    """Return arguments by name; the protocol's list has them in their order."""
+    """Return arguments by name; the protocol may also list them in order."""
     if not isinstance(args, list):
         return args
     is_whole = len(args) == 1 and isinstance(args[0], dict)
@@ -552,10 +558,10 @@ def _reason(error: StationError) -> str:
 def _form_of(
     message: Message, type_name: object, compressions: tuple[str, ...]
 ) -> Form:
-    """Return the form in which a client wants its messages.
+    """Return the form in which a client wants messages.
 
     Raises:
-        RosTypeError: There is no such compression.
+        RosTypeError: The compression is unknown.
     """
     compression = message.get("compression") or "none"
     if compression not in compressions:
@@ -564,7 +570,7 @@ def _form_of(
             f"{', '.join(compressions)}."
         )
     size = _number(message, "fragment_size", 2**31)
-    # A frame has about 100 characters besides its part of the message.
+    # A frame has about 100 characters around its part of the message.
     size = max(size, 100) if size else 0
     return Form(compression, split_style(str(type_name or ""))[1], size)
 
@@ -573,7 +579,7 @@ def _number(message: Message, key: str, most: int) -> int:
     """Return a whole number of a message; 0 without one.
 
     Raises:
-        RosTypeError: The value is no number, or out of range.
+        RosTypeError: The value is not a number, or out of range.
     """
     value = message.get(key) or 0
     if not isinstance(value, int | float) or not 0 <= value <= most:

@@ -1,7 +1,7 @@
-"""Transforms between any two frames, for clients that cannot walk a tree of them.
+"""Compute transforms between any two frames, for clients without a tree of transforms.
 
 Source: RobotWebTools/tf2_web_republisher, tf_web_republisher.cpp; differs: a topic ends
-10 s after its last subscriber, whatever time-out its client has asked for.
+10 s after its last subscriber has left; the time-out of the request is ignored.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -30,9 +30,9 @@ class TfRepublisher:
 
     Args:
         urdf: The robot.
-        clock: Makes the messages of cycles.
+        clock: The station's topics, which make the messages of cycles.
         names: Names of the positions in a cycle.
-        add: Takes a new topic.
+        add: Function that adds a new topic.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class TfRepublisher:
         )
 
     def topics(self) -> Iterator[Topic]:
-        """Yield the topics that a client reads, or has just asked for."""
+        """Yield the topics that a client reads or has just requested."""
         oldest = monotonic() - _KEPT
         known = self._topics.items()
         self._topics = {name: one for name, one in known if one[1][0] > oldest}
@@ -96,10 +96,11 @@ class TfRepublisher:
         return Running(poll, cancel)
 
     def _watch(self, wanted: Values) -> Callable[[CycleFrame], list[Values]]:
-        """Return the function that computes changed transforms, at the wanted rate.
+        """Return a function that computes changed transforms, at the requested rate.
 
         Raises:
-            RosTypeError: The rate is not positive, or there are too many.
+            RosTypeError: The rate is not positive, or there are too many topics and
+                goals.
         """
         if not wanted["rate"] > 0.0:
             raise RosTypeError(f"'rate' is {wanted['rate']}; it must be above 0.")

@@ -1,4 +1,4 @@
-"""The topics of a station: published ones, and those that take commands of clients."""
+"""The topics of a station: published ones, and those for commands of clients."""
 
 import asyncio
 import re
@@ -29,13 +29,12 @@ from station.records.cdr import Values
 from station.records.messages import transforms
 
 LATCHED = -1.0
-"""Period of a topic whose message goes to a client when it subscribes, and then never
-again."""
+"""Period of a topic whose message a client gets once, when it subscribes."""
 STATE_PERIOD = 0.02
 """Time between two states of a controller [s]; joint_trajectory_controller's default
 is 50 Hz."""
 CLOCK_PERIOD = 0.1
-"""Time between two messages of a clock that stands still [s]."""
+"""Time between two messages of the clock while station time stands still [s]."""
 FINGER_PERIOD = 1.0 / 30.0
 """Time between two messages of a gripper's fingers [s]; franka_gripper's 30 Hz."""
 _PUBLISHED = {
@@ -50,7 +49,7 @@ _PUBLISHED = {
     "gps/fix": "sensor_msgs/NavSatFix",
     "battery_state": "sensor_msgs/BatteryState",
 }
-# Where controllers of poses listen that are not the station's own.
+# Topics of pose controllers that belong to franka_ros's examples.
 _POSE_TOPICS = {
     "CartesianImpedanceExampleController": "equilibrium_pose",
     "DualArmCartesianImpedanceExampleController": "centering_frame_target_pose",
@@ -60,7 +59,7 @@ _MOST_EVENTS = 20
 _POSE = "geometry_msgs/PoseStamped"
 _TWIST = "geometry_msgs/Twist"
 _JOINT_STATE = "sensor_msgs/JointState"
-# Where an element of a set-point is in its message.
+# Path of each element of a set-point in its message.
 _PLACES = {
     **{axis: ("pose", "position", axis) for axis in "xyz"},
     **{f"q{part}": ("pose", "orientation", part) for part in "xyzw"},
@@ -72,12 +71,12 @@ _PLACES = {
 
 
 def loaded_controllers(station: Station) -> Iterator[tuple[str, str, ControllerBase]]:
-    """Yield name, type and controller of all that are loaded."""
+    """Yield name, type and object of every loaded controller."""
     for status in station.manager.conditions():
         try:
             controller = station.manager.get_controller(status.name)
         except StationError:
-            continue  # unloaded since
+            continue  # unloaded meanwhile
         yield status.name, status.type, controller
 
 
@@ -86,7 +85,7 @@ class CycleFrame(NamedTuple):
 
     Attributes:
         snapshot: Snapshot of the cycle.
-        stamp: Its wall time [ns since 1970].
+        stamp: Wall time of the cycle [ns since 1970].
     """
 
     snapshot: Snapshot
@@ -104,15 +103,15 @@ class Topic:
     Attributes:
         name: Its name.
         type: Type of its messages.
-        read: Returns the message of a cycle, or None; None for a topic that is
-            published elsewhere, or by clients.
-        write: Takes a client's message; None for a topic that clients may not publish
-            to.
+        read: Function that returns the message of a cycle, or None. None for a topic
+            that other code or clients publish.
+        write: Function that accepts a client's message; None for a topic to which
+            clients may not publish.
         period: Time between two messages [s]; 0 for every tick, or `LATCHED`.
-        in_pause: Whether messages come while station time stands still.
-        is_quick: Whether `write` returns at once, so that no thread is needed; then it
-            may return an awaitable.
-        changes: Whether a message of a client changes something of the station.
+        in_pause: Whether it is published while station time stands still.
+        is_quick: Whether `write` returns at once, so that it needs no thread; it may
+            then return an awaitable.
+        changes: Whether a message of a client changes the station.
         due: When the next message is due [s, clock of the event loop].
     """
 
@@ -128,14 +127,14 @@ class Topic:
 
 
 class StationTopics:
-    """Makes the topics of a station. For one event loop.
+    """Provides the topics of a station. Use it in one event loop only.
 
     Args:
         station: The station.
-        urdf: The robot for transforms; None sends none.
+        urdf: The robot, for transforms; None sends no transforms.
         texts: Text by topic, such as `/robot_description`.
-        log: The events.
-        cameras: Its cameras.
+        log: The event log.
+        cameras: The station's cameras.
 
     Attributes:
         origin: Wall time of station time zero [ns since 1970].
@@ -158,7 +157,7 @@ class StationTopics:
         self.origin = time.time_ns() - round(station.loop.time * 1e9)
 
     def frame(self) -> CycleFrame | None:
-        """Return the newest cycle; None before the first."""
+        """Return the newest cycle; None before the first one."""
         snapshot = self._station.snapshots.latest()
         return (
             None
@@ -174,7 +173,7 @@ class StationTopics:
         return self.origin + round(seconds * 1e9)
 
     def all(self) -> Iterator[Topic]:
-        """Yield the topics that there are now, besides those of actions."""
+        """Yield the present topics, besides those of actions."""
         yield Topic("/joint_states", _JOINT_STATE, self._joint_states)
         for name, text in self._texts.items():
             yield Topic(name, "std_msgs/String", partial(_text, text), period=LATCHED)
@@ -212,7 +211,7 @@ class StationTopics:
     ) -> Iterator[Topic]:
         kind = type_name.rpartition("/")[2]
         if kind == "JointStateController":
-            return  # its topic is /joint_states
+            return  # it publishes /joint_states
         if controller.trajectories is not None:
             state = "control_msgs/JointTrajectoryControllerState"
             yield self._published(name, "state", state)
@@ -240,7 +239,7 @@ class StationTopics:
             yield self._set_point_topic(name, kind, controller.set_points)
 
     def _published(self, name: str, topic: str, kind: str) -> Topic:
-        """Return a topic that a controller publishes, each message once."""
+        """Return a topic with the messages of a controller, each published once."""
         last: list[object] = [None]
 
         def read(_: CycleFrame) -> Values | None:
@@ -256,7 +255,7 @@ class StationTopics:
         return Topic(f"/{name}/{topic}", kind, read)
 
     def report(self, kind: str, message: Mapping[str, Any]) -> Values:
-        """Return a controller's message in the words of ROS."""
+        """Return a controller's message in the form of ROS."""
         seconds = message.get("stamp", self._station.loop.time)
         if isinstance(message.get("robot_mode"), str):
             mode = RobotMode[str(message["robot_mode"]).upper()].value
@@ -299,7 +298,7 @@ class StationTopics:
         return filled("sensor_msgs/CompressedImage", content, self._stamp(found.stamp))
 
     def _log_line(self, _: CycleFrame) -> Values | None:
-        """Return the next event; an old one without a reader is left out."""
+        """Return the next event; events that had no reader are skipped."""
         if self._log.newest_id == self._logged:
             return None
         event = self._log.recent(self._logged)[-_MOST_EVENTS:][0]
@@ -343,10 +342,10 @@ class StationTopics:
         client: ToolClient,
         message: Values,
     ) -> None:
-        """Give a controller the set-point in a message.
+        """Send the set-point in a message to a controller.
 
         Raises:
-            StationError: It is refused.
+            StationError: The station refuses it.
         """
         if places is None:
             values = message["data"]
@@ -360,7 +359,7 @@ class StationTopics:
         """Let a controller follow the trajectory in a message.
 
         Raises:
-            StationError: It is refused.
+            StationError: The station refuses it.
         """
         control = client.services.control
         admit = partial(control.admit, client.access, client.lease, name)
@@ -369,7 +368,7 @@ class StationTopics:
         )
 
     def trajectory(self, message: Values) -> Values:
-        """Return a `trajectory_msgs/JointTrajectory` as the station wants it."""
+        """Return a `trajectory_msgs/JointTrajectory` in the station's form."""
         begin = seconds_of(message["header"]["stamp"])
         keys = ("positions", "velocities", "accelerations")
         return {
@@ -379,13 +378,14 @@ class StationTopics:
                 | {"time_from_start": seconds_of(point["time_from_start"])}
                 for point in message["points"]
             ],
-            # A trajectory begins at a time of the clients' clock, or at once.
+            # A trajectory begins at a time on the clients' clock, or at once if it is
+            # 0.
             "stamp": begin - self.origin / 1e9 if begin else 0.0,
         }
 
 
 class _Fingers:
-    """Asks for the width of a gripper in a thread, beside the event loop.
+    """Reads the width of a gripper in a thread, so that the event loop does not wait.
 
     Args:
         station: The station.
@@ -398,7 +398,7 @@ class _Fingers:
         self._asked: asyncio.Future[GripperState] | None = None
 
     def read(self, frame: CycleFrame) -> Values | None:
-        """Return the width that was asked for before; half of it for each finger."""
+        """Return the last width that was read, half of it for each finger."""
         asked = self._asked
         if asked is not None and not asked.done():
             return None
@@ -416,7 +416,7 @@ def _text(text: str, _: CycleFrame) -> Values:
 
 
 def arm_namespace(station: Station, arm_id: str) -> str:
-    """Return the namespace of an arm's services: that of franka_control if alone."""
+    """Return the namespace of an arm's services; a single arm has franka_control's."""
     alone = len(station.robots.names(FrankaServices)) == 1
     return "/franka_control" if alone else f"/{arm_id}"
 

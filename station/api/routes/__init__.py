@@ -1,4 +1,4 @@
-"""The routes, a file for each resource; `api_router` has them all."""
+"""The routes, in one file per resource; `api_router` has all routes."""
 
 from fastapi import APIRouter
 

@@ -56,7 +56,7 @@ def _set_cookie(
         path="/",
         httponly=True,
         samesite="strict",
-        # Browsers do not send a secure cookie back over plain HTTP.
+        # Over plain HTTP browsers do not send a secure cookie back.
         secure=request.url.scheme == "https",
     )
 
@@ -112,10 +112,10 @@ async def login_by_link(
     token: str,
     target: Annotated[str, Query(alias="next")] = "/docs",
 ) -> Response:
-    """Log a browser in by the link that the station printed, then show a page."""
+    """Log a browser in by the link that the station has printed, and show a page."""
     access = await _access_of(request, services, token)
-    # A link that leads to another site would let an attacker use the login page to
-    # send people there; browsers take // and /\\ for the beginning of a host name.
+    # A target on another site would let an attacker send people there by the login
+    # page. Browsers read // and /\\ as the beginning of a host name.
     own = target.startswith("/") and not target.startswith(("//", "/\\"))
     response = RedirectResponse(target if own else "/docs", status_code=303)
     _set_cookie(request, response, services.authenticator, access)

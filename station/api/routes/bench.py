@@ -1,4 +1,4 @@
-"""The bench: responses of joints, those that were kept, and parts of recordings."""
+"""The bench: measure responses of joints, read parts of recordings, keep runs."""
 
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from station.records.record_store import RecordStore
 
 _LONGEST_PART = 120_000
-"""Most cycles of a part of a recording that is read as a test."""
+"""Most cycles in a part of a recording that is read as a test."""
 _STATES = ("position", "velocity", "effort")
 router = routes_of("bench")
 RunName = Annotated[FileName, Path(description="Name of the run.", examples=["soft"])]
@@ -41,9 +41,10 @@ def measure_response(
 ) -> BenchResponse:
     """Excite one joint through a running controller, and return its response.
 
-    The answer comes when the joint is back where it began, and is kept as a run. Before
-    anything moves the excitation is checked: size, rate, and distance from the joint's
-    limits. A stop, a loss of control, or a joint that leaves the envelope ends it.
+    The answer comes when the joint is back at its initial position, and is kept as a
+    run. Before anything moves, the station checks the size and rate of the excitation,
+    and its distance from the joint's limits. A stop, a loss of control, or a joint that
+    leaves the envelope ends the measurement.
     """
     if access.role is Role.AGENT:
         services.rehearsals.check_range(
@@ -56,7 +57,7 @@ def measure_response(
 
 @router.get("/bench-runs", responses=problems())
 def list_bench_runs(services: ServicesDep) -> BenchRuns:
-    """List the kept runs with their figures, the oldest first."""
+    """List the kept runs with their metrics, the oldest first."""
     return BenchRuns(runs=services.bench_runs.list())
 
 
@@ -68,7 +69,7 @@ def get_bench_run(name: RunName, services: ServicesDep) -> BenchResponse:
 
 @router.delete("/bench-runs/{name}", **change(404, 422))
 def delete_bench_run(name: RunName, services: ServicesDep) -> BenchResponse:
-    """Delete a run; return its last content."""
+    """Delete a run; return it."""
     return services.bench_runs.delete(name)
 
 
@@ -79,7 +80,7 @@ def measure_part(
     """Read a part of a recording or an incident as a test of a joint; keep the run."""
     trace = _trace(store, identifier, part, services)
     excitation, script, trace = excitation_of_part(part, trace)
-    # Gains are not among the channels of a recording.
+    # A recording has no channel of gains.
     limits = services.station.loop.hw.joint_limits()
     found = joint_test(trace, excitation, script, {}, limits)
     return services.bench_runs.keep(found, part.name)
@@ -92,10 +93,10 @@ def _trace(
 
     Raises:
         RecordingRefusedError: The recording has no such joint or controller, or the
-            part no cycle, too many, or a gap.
-        RecordingFileError: The file is no whole recording.
+            part has no cycle, too many cycles, or a gap.
+        RecordingFileError: The file is not a complete recording.
     """
-    # Imported late: an application without a recorder needs no reader of MCAP.
+    # Imported late, because an application without a recorder needs no MCAP reader.
     from station.records.cycle_messages import CONTROLLERS, JOINT_STATES
     from station.records.recording_table import Choice, RecordingTable
 

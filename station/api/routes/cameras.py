@@ -13,9 +13,9 @@ from station.wire.base import FileName
 
 router = routes_of("cameras")
 pictures = APIRouter(tags=["cameras"], dependencies=[Viewer])
-"""Of answers that are no JSON."""
+"""Routes whose answers are not JSON."""
 STAMP_HEADER = "X-Station-Time"
-"""Station time of what a picture shows [s]."""
+"""Header of a picture: the station time that it shows [s]."""
 _BOUNDARY = "picture"
 Name = Annotated[FileName, Path(description="Name of the camera.", examples=["cell"])]
 
@@ -30,7 +30,7 @@ def _answers(media_type: str) -> dict[int | str, dict[str, Any]]:
 
 @router.get("/cameras", responses=problems())
 def list_cameras(services: ServicesDep) -> wire.Cameras:
-    """List the cameras; `fault` says why one has no pictures."""
+    """List the cameras; the `fault` of a camera says why it has no pictures."""
     return wire.Cameras(cameras=services.cameras.reports())
 
 
@@ -38,7 +38,7 @@ def list_cameras(services: ServicesDep) -> wire.Cameras:
     "/cameras/{name}", response_class=Response, responses=_answers("image/jpeg")
 )
 async def get_picture(name: Name, services: ServicesDep) -> Response:
-    """Return a picture that was drawn just now, with its station time in a header."""
+    """Return a picture that has just been drawn, with its station time in a header."""
     found = await services.cameras.picture(name)
     headers = {STAMP_HEADER: f"{found.stamp:.6f}", "Cache-Control": "no-store"}
     return Response(found.jpeg, media_type="image/jpeg", headers=headers)
@@ -50,8 +50,8 @@ async def get_picture(name: Name, services: ServicesDep) -> Response:
     responses=_answers(f"multipart/x-mixed-replace; boundary={_BOUNDARY}"),
 )
 async def stream_pictures(name: Name, services: ServicesDep) -> Response:
-    """Return picture after picture in one answer, as `<img>` and video players read."""
-    await services.cameras.picture(name)  # refused while it can be
+    """Return a sequence of pictures in one answer, for `<img>` and video players."""
+    await services.cameras.picture(name)  # raises errors before the first byte
 
     async def parts() -> AsyncIterator[bytes]:
         async for found in services.cameras.pictures(name):

@@ -1,4 +1,4 @@
-"""Set-points, goals and trajectories of controllers, and the states that follow."""
+"""Set-points, goals and trajectories of controllers, and controllers' states."""
 
 from functools import partial
 from typing import Annotated
@@ -40,15 +40,16 @@ def put_command(
     by_rehearsal: ByRehearsalDep,
     key: LeaseKey = None,
 ) -> CommandAccepted:
-    """Give a running controller a set-point; the newest wins.
+    """Give a running controller a set-point, which replaces an older one.
 
-    The answer says which cycle was the first with the set-point.
+    The answer has the number of the first cycle with the set-point.
     """
     values, timeout, rates = request.command, request.timeout, request.rates
     command = {"name": name, "values": values, "timeout": timeout, "rates": rates}
     with by_rehearsal.giving("set_point", **command) as certified:
         receipt = certified or station.motion.receipt()
-        # Control may have changed hands since the request's access was checked.
+        # Check again, because control may have changed hands since the check of the
+        # request.
         with services.control.commanding(access, key, name):
             epoch = station.motion.set_command(
                 name,
@@ -63,9 +64,10 @@ def put_command(
 
 @_set_points.get("/controllers/{name}/state", responses=problems(404, 409))
 def get_controller_state(name: str, station: StationDep) -> ControllerSample:
-    """Return desired, actual, error and output of the last cycle, and messages.
+    """Return a controller's values in the last cycle, and its latest messages.
 
-    Sensor controllers have messages only.
+    The values are `desired`, `actual`, `error` and `output`. Sensor controllers have
+    only messages.
 
     Raises:
         ProblemError: The controller has not run yet.
@@ -102,10 +104,10 @@ def submit_goal(
     by_rehearsal: ByRehearsalDep,
     key: LeaseKey = None,
 ) -> wire.Goal:
-    """Give a running controller a goal; it replaces the one before.
+    """Give a running controller a goal, which replaces the goal before.
 
-    A stop, a reset or a recovery ends the goal, and so does a client that takes
-    control by force; nothing resumes it.
+    A stop, a reset, a recovery, or a client that takes control by force ends the goal;
+    nothing resumes it.
     """
     admit = partial(services.control.admit, access, key, name)
     with by_rehearsal.giving("goal", name=name, request=request.goal) as receipt:
@@ -123,7 +125,7 @@ def list_goals(name: str, station: StationDep) -> wire.Goals:
 
 @_goals.get("/controllers/{name}/goals/{goal_id}", responses=problems(404, 422))
 def get_goal(name: str, goal_id: str, station: StationDep) -> wire.Goal:
-    """Return one goal: its progress, or how and why it ended."""
+    """Return a goal with its progress, or how and why it ended."""
     return answers.goal(station.motion.goal(name, goal_id))
 
 
@@ -150,8 +152,8 @@ def follow_trajectory(
 ) -> wire.CommandAccepted:
     """Let a running controller follow a trajectory without a goal.
 
-    This is the topic `command` of a joint trajectory controller. Without points the
-    joints stop and hold.
+    This is like the topic `command` of a joint trajectory controller. Without points
+    the joints stop and hold.
     """
     trajectory = request.trajectory
     with by_rehearsal.giving("trajectory", name=name, request=trajectory) as certified:

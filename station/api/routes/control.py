@@ -44,12 +44,12 @@ def take_control(
     request: ControlRequest | None = None,
     key: LeaseKey = None,
 ) -> ControlState:
-    """Take control, or keep it: the owner's call is a heartbeat.
+    """Take control; a call by the owner is a heartbeat.
 
-    While a client holds control, the changes of all other operators are refused (423)
-    with the owner's name. The stop is never refused. The answer has the `lease`, which
-    the owner's requests carry in the header `X-Control-Lease`; those with a named token
-    or a browser's session of the owner need none.
+    While a client holds control, changes by other operators are refused (423) with the
+    owner's name. The stop is never refused. The answer has the `lease`, which the
+    owner's requests carry in the header `X-Control-Lease`. Requests with the owner's
+    named token or browser session need no lease.
     """
     asked = request or ControlRequest()
     lease = services.control.take(
@@ -92,12 +92,12 @@ def release_control(
 def control_state(
     control: Control, access: Access | None, key: str | None
 ) -> ControlState:
-    """Return the holder of control, as far as a caller may know it.
+    """Return the holder of control, with the details that the caller may know.
 
     Args:
         control: The lease.
         access: Rights of the caller; None for an unknown caller.
-        key: The lease that the caller names.
+        key: Key of the lease that the caller names; None without one.
     """
     lease = control.present()
     if lease is None:
@@ -119,7 +119,7 @@ def control_state(
 async def list_agent_requests(services: ServicesDep) -> AgentRequests:
     """List the latest requests of agents, oldest first.
 
-    Those that wait for an answer have no `verdict`.
+    Waiting requests have no `verdict`.
     """
     return AgentRequests(requests=services.agents.requests())
 
@@ -132,10 +132,10 @@ async def list_agent_requests(services: ServicesDep) -> AgentRequests:
 async def answer_agent(
     number: str, answer: AgentAnswer, services: ServicesDep, connection: Request
 ) -> AgentRequest:
-    """Allow or refuse a request of an agent; only a person can.
+    """Allow or refuse a request of an agent; only a person may.
 
-    The answer takes no control from the agent. A request without an answer in time is
-    refused.
+    The answer does not take control from the agent. A request without an answer in time
+    is refused.
     """
     return services.agents.decide(
         number, Verdict(answer.verdict), origin_of(connection)

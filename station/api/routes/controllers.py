@@ -1,4 +1,4 @@
-"""Controllers: list, load, unload, switch; and the parameters they are loaded with."""
+"""Controllers: list, load, unload and switch them, and set their parameters."""
 
 import logging
 
@@ -70,14 +70,14 @@ def switch_controllers(
 ) -> wire.SwitchResult:
     """Start and stop controllers, all of them in one cycle.
 
-    The answer says what was started and stopped, and by how much the command of each
-    joint jumped. A conflict answers 409 and names the controllers that hold the joints.
+    The answer lists the started and stopped controllers, and the step of each joint's
+    command. A conflict gives 409, and names the controllers that claim the joints.
     """
     if request.dry_run:
         note_preview(connection)
     if request.strictness == "strict":
         for name in (*request.start, *request.stop):
-            station.controller(name)  # an unknown name is a 404, not a conflict
+            station.controller(name)  # an unknown name gives 404, not a conflict
     with by_rehearsal.giving("switch", start=request.start, stop=request.stop):
         result = station.switch_controllers(
             switching.SwitchRequest(
@@ -97,7 +97,7 @@ def switch_controllers(
 
 @_controllers.get("/controllers/chains", responses=problems())
 def list_chains(station: StationDep) -> wire.ControllerChains:
-    """Return the loaded controllers with who commands whose references."""
+    """Return the loaded controllers, with the references that each commands."""
     return station.manager.chains()
 
 
@@ -113,10 +113,10 @@ def get_controller(name: str, station: StationDep) -> wire.ControllerState:
     responses=problems(404, 409, 422),
 )
 def unload_controller(name: str, station: StationDep) -> wire.ControllerState:
-    """Unload a controller that does not run; return its last state.
+    """Unload a stopped controller; return its last state.
 
-    The loading of a controller that is still `loading` is cancelled, and the request
-    that loads the controller is refused.
+    For a controller that is still `loading`, this cancels the loading, and refuses the
+    request that loads it.
     """
     before = wire.ControllerState.model_validate(station.controller(name))
     station.unload_controller(name)
@@ -138,10 +138,10 @@ def list_controller_types(station: StationDep) -> wire.ControllerTypes:
 def reload_controller_types(
     station: StationDep, request: wire.ReloadRequest | None = None
 ) -> wire.Reloaded:
-    """Let the next load of each type read its Python module anew.
+    """Let the next load of each type import its Python module again.
 
-    This is the service `reload_controller_libraries` of ros_control: controllers that
-    are loaded are a reason to refuse, unless `force_kill` stops and unloads them.
+    This is like the service `reload_controller_libraries` of ros_control: it is refused
+    while controllers are loaded, unless `force_kill` stops and unloads them.
     """
     force_kill = request is not None and request.force_kill
     unloaded = station.manager.reload_controller_libraries(force_kill=force_kill)
@@ -159,7 +159,7 @@ def get_parameters(station: StationDep) -> Parameter:
 
 @_parameters.get("/{path:path}", responses=problems(404))
 def get_parameter(path: str, station: StationDep) -> Parameter:
-    """Return a parameter, or a namespace with all that is below it."""
+    """Return a parameter, or a namespace with everything in it."""
     return _parameter(path, station.parameter_server.get(path))
 
 
@@ -167,10 +167,10 @@ def get_parameter(path: str, station: StationDep) -> Parameter:
 def set_parameter(
     path: str, request: ParameterRequest, station: StationDep
 ) -> Parameter:
-    """Set a parameter; controllers that are loaded afterwards read it.
+    """Set a parameter, which controllers that are loaded afterwards read.
 
-    Missing namespaces are made. A controller that is loaded already keeps the values
-    that it read; its gains are changed by PATCH of its gains.
+    Missing namespaces are created. A loaded controller keeps the values that it has
+    read; PATCH of its gains changes its gains.
     """
     station.parameter_server.set(path, request.value)
     return _parameter(path, request.value)

@@ -1,4 +1,4 @@
-"""Events, in pages or as an endless answer, and alarms, which ask for a person."""
+"""Events, in pages or as an endless answer, and alarms, which need a person."""
 
 from typing import Annotated
 
@@ -73,9 +73,9 @@ async def get_events(
 ) -> Events | StreamingResponse:
     """Return events, oldest first: the newest ones, or those after `since`.
 
-    With `Accept: text/event-stream` the answer does not end: every event is sent as it
-    happens, as server-sent events with `id`, `event` (the kind) and `data`. A client
-    that connects again with `Last-Event-ID` misses none.
+    With `Accept: text/event-stream` the answer does not end: it sends every new event
+    as a server-sent event with `id`, `event` (the kind) and `data`. A client that
+    connects again with `Last-Event-ID` misses no event.
     """
     feed, closing = services.event_feed, services.broadcaster.wait_closing
     kinds = [EventKind(each) for each in kind or []]
@@ -102,7 +102,7 @@ Number = Annotated[
 def list_alarms(services: ServicesDep) -> Alarms:
     """List the alarms, newest first.
 
-    An alarm leaves the list once its cause is gone and a person has acknowledged it, in
+    An alarm leaves the list when its cause is gone and a person has acknowledged it, in
     either order.
     """
     found = [answers.alarm(each) for each in services.alarms.all()]
@@ -112,9 +112,9 @@ def list_alarms(services: ServicesDep) -> Alarms:
 
 @router.post("/alarms/{number}/acknowledge", **change(404, 422))
 def acknowledge_alarm(number: Number, request: Request, services: ServicesDep) -> Alarm:
-    """Say that the alarm was seen, under the name of the caller's token.
+    """Acknowledge an alarm, under the name of the caller's token.
 
-    It clears no cause and moves nothing. A second acknowledgement changes nothing.
+    This ends no cause and moves nothing. A second acknowledgement changes nothing.
     """
     services.alarms.look()
     return answers.alarm(services.alarms.acknowledge(number, origin_of(request)))

@@ -1,4 +1,4 @@
-"""Experiments: many trials of a simulated copy of the station, beside its robot."""
+"""Experiments: many trials in simulated copies, while the station runs."""
 
 from typing import Annotated
 
@@ -69,7 +69,7 @@ router = routes_of("experiments", "/experiments")
 
 @router.get("", responses=problems(409))
 def list_experiments(background: BackgroundDep) -> Experiments:
-    """List the experiments of this user, by name, and the metrics there are."""
+    """List the experiments of this user, by name, and all metrics."""
     found = []
     for name in names():
         with Results.open(file_of(name)) as results:
@@ -81,11 +81,11 @@ def list_experiments(background: BackgroundDep) -> Experiments:
 def start_experiment(
     request: ExperimentRequest, background: BackgroundDep, station: StationDep
 ) -> Experiment:
-    """Start an experiment in a process of its own; one runs at a time.
+    """Start an experiment in a separate process; one runs at a time.
 
-    Everything asked for is checked before the answer. The robot does not move: the
-    trials run in simulated copies of the station, which have the controllers that are
-    loaded now.
+    The station checks the whole request before it answers. The robot does not move: the
+    trials run in simulated copies of the station, with the controllers that are loaded
+    now.
     """
     loaded = {}
     for status in station.controllers():
@@ -104,7 +104,7 @@ def get_experiment(name: Name, background: BackgroundDep) -> Experiment:
 
 @router.delete("/{name}", **change(404, 409, 422))
 def delete_experiment(name: Name, background: BackgroundDep) -> Experiment:
-    """Delete an experiment that does not run; return its last state."""
+    """Delete an ended experiment; return its last state."""
     found = _experiment(name, background)
     background.delete(name)
     return found
@@ -112,7 +112,7 @@ def delete_experiment(name: Name, background: BackgroundDep) -> Experiment:
 
 @router.post("/{name}/cancel", **change(404, 409, 422))
 def cancel_experiment(name: Name, background: BackgroundDep) -> Experiment:
-    """End the experiment that runs; trials that run may end, and all are kept."""
+    """End the running experiment after its running trials, and keep all trials."""
     background.cancel(name)
     return _experiment(name, background)
 
@@ -146,7 +146,7 @@ def list_best_trials(
 
 @router.get("/{name}/responses", responses=problems(404, 409, 422))
 def get_responses(name: Name, _: BackgroundDep) -> ExperimentResponses:
-    """Return the responses that were kept, for an overlay: first and best, or worst."""
+    """Return the kept responses: of first and best trial, or of the worst ones."""
     with Results.open(file_of(name)) as results:
         return reports.responses_of(results)
 
@@ -155,7 +155,7 @@ def get_responses(name: Name, _: BackgroundDep) -> ExperimentResponses:
 def preview_experiment(
     name: Name, _: BackgroundDep, station: StationDep, trial: ChosenTrial = None
 ) -> ExperimentPreview:
-    """Return the gains that applying those of a trial would change."""
+    """Return the changes that would put the gains of a trial into force."""
     with Results.open(file_of(name)) as results:
         chosen = reports.chosen_trial(results, trial)
         wanted = gains_of(results, chosen)
@@ -185,10 +185,10 @@ def apply_experiment(
     services: ServicesDep,
     request: ExperimentApplyRequest | None = None,
 ) -> GainsChanges:
-    """Put the gains of a trial into force, those of all controllers in the same cycle.
+    """Put the gains of a trial into force, for all controllers in the same cycle.
 
-    The gains are saved as a gain set named like the experiment. `undo` takes back
-    all of them.
+    The gains are saved as a gain set of the experiment's name. `undo` restores all
+    previous gains.
     """
     asked = request or ExperimentApplyRequest()
     with Results.open(file_of(name)) as results:

@@ -1,4 +1,4 @@
-"""Run-time parameters of controllers: read, changed, kept in sets, taken back."""
+"""Run-time parameters of controllers: read, change and undo them, keep them in sets."""
 
 from collections.abc import Mapping
 from typing import Annotated
@@ -22,7 +22,7 @@ router = routes_of("gains")
 
 
 def etag_of(station: Station, revision: int) -> str:
-    """Return the entity tag of a revision; tags differ between runs of the station."""
+    """Return the entity tag of a revision; it differs between runs of the station."""
     return f'"{station.boot_id[:12]}-{revision}"'
 
 
@@ -46,8 +46,8 @@ def patch_gains(
 ) -> GainsChange:
     """Change some gains; all of them take effect in the same cycle.
 
-    The set is checked as a whole: when one value is not allowed, no value changes.
-    With If-Match the change is refused when the gains have changed since.
+    All values are checked together: if one is not allowed, no value changes. With
+    If-Match the change is refused if the gains have changed since.
     """
     revision = None
     if if_match is not None and if_match.strip() != "*":
@@ -66,14 +66,14 @@ def patch_gains_of_controllers(
 ) -> wire.GainsChanges:
     """Change gains of several controllers; all of them take effect in the same cycle.
 
-    The change is checked as a whole, and taken back as a whole.
+    All changes are checked together, and undone together.
     """
     changes = station.tuning.set_many(request.changes, request.revisions)
     return wire.GainsChanges.model_validate({"changes": changes})
 
 
 def _matching_revision(station: Station, name: str, if_match: str) -> int:
-    """Return the present revision when If-Match names it.
+    """Return the present revision if If-Match names it.
 
     Raises:
         ProblemError: If-Match names another revision.
@@ -104,9 +104,9 @@ def list_gain_sets(services: ServicesDep) -> wire.GainSets:
 
 @router.post("/gain-sets/undo", **change(409, 503))
 def undo_gains(services: ServicesDep) -> wire.GainsChanges:
-    """Take the last change of gains back, whether it set gains or applied a set.
+    """Undo the last change of gains, whether it set gains or applied a set.
 
-    A hundred changes are remembered, and each call takes one more back.
+    The station remembers a hundred changes, and each call undoes one more.
     """
     return _changes(services.station.tuning.undo())
 
@@ -121,14 +121,14 @@ def get_gain_set(name: Name, services: ServicesDep) -> wire.GainSet:
 def save_gain_set(
     name: Name, services: ServicesDep, request: wire.GainSetRequest | None = None
 ) -> wire.GainSet:
-    """Save the gains in force under a name; a set of that name is replaced."""
+    """Save the gains in force under a name; they replace a set of the same name."""
     saved = services.gain_sets.save(name, _chosen(request))
     return _gain_set(services, saved)
 
 
 @router.delete("/gain-sets/{name}", **change(404, 422))
 def delete_gain_set(name: Name, services: ServicesDep) -> wire.GainSet:
-    """Delete a set; return its last content."""
+    """Delete a set; return it."""
     found = _gain_set(services, services.gain_sets.get(name))
     services.gain_sets.delete(name)
     return found
@@ -140,7 +140,7 @@ def apply_gain_set(
 ) -> wire.GainsChanges:
     """Put a set into force: all gains of all its controllers in the same cycle.
 
-    When one value is not allowed, or a controller is not loaded, nothing changes.
+    If one value is not allowed, or a controller is not loaded, nothing changes.
     """
     return _changes(services.gain_sets.apply(name, _chosen(request)))
 

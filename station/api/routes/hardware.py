@@ -1,4 +1,4 @@
-"""Hardware components: their states, and transitions between them."""
+"""Hardware components: their states, and changes of these states."""
 
 from station.api.dependencies import Operator, StationDep
 from station.api.routes.routing import problems, routes_of
@@ -26,8 +26,8 @@ def set_hardware_component_state(
     """Bring a hardware component into a state of its life cycle.
 
     A component that controllers command leaves its active state only with
-    `stop_controllers`, which stops them first. A component that is not active offers no
-    command interface, and a switch that needs one is refused.
+    `stop_controllers`, which stops these controllers first. A component that is not
+    active offers no command interface, and a switch that needs one is refused.
     """
     return station.set_hardware_component_state(
         name,

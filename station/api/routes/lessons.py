@@ -1,4 +1,4 @@
-"""Lessons: exercises on the robot, checked on the student's own run."""
+"""Lessons: exercises that the station checks on the student's own run."""
 
 from typing import Annotated
 
@@ -41,7 +41,7 @@ def list_lessons(
 def begin_lesson(
     name: Name, request: LessonBeginRequest, services: ServicesDep, access: AccessDep
 ) -> Lesson:
-    """Begin a lesson: from now on the station watches the robot."""
+    """Begin a lesson; the station watches the robot from now on."""
     return services.lessons.begin(name, request.person or access.name)
 
 

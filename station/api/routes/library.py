@@ -1,4 +1,4 @@
-"""Plot layouts and waypoint paths, kept by name, and the playing of paths."""
+"""Plot layouts and waypoint paths, saved by name, and the playing of paths."""
 
 from typing import Annotated
 
@@ -42,7 +42,7 @@ def get_plot_layout(name: LayoutName, services: ServicesDep) -> PlotLayout:
 def save_plot_layout(
     name: LayoutName, request: PlotLayoutRequest, services: ServicesDep
 ) -> PlotLayout:
-    """Save the plots of a layout, and its docks; a layout of that name is replaced."""
+    """Save the plots and docks of a layout; they replace those of the same name."""
     plots = [PlotSettings(**plot.model_dump()) for plot in request.plots]
     asked = request.docks
     docks = None if asked is None else DockSettings(**asked.model_dump())
@@ -51,7 +51,7 @@ def save_plot_layout(
 
 @_layouts.delete("/plot-layouts/{name}", **change(404, 422))
 def delete_plot_layout(name: LayoutName, services: ServicesDep) -> PlotLayout:
-    """Delete a layout; return its last content."""
+    """Delete a layout; return it."""
     return services.plot_layouts.delete(name)
 
 
@@ -75,7 +75,7 @@ def get_waypoint_path(name: PathName, services: ServicesDep) -> WaypointPath:
 def save_waypoint_path(
     name: PathName, request: wire.WaypointPathRequest, services: ServicesDep
 ) -> WaypointPath:
-    """Save the waypoints of a path; a path of that name is replaced."""
+    """Save the waypoints of a path; they replace a path of the same name."""
     found = [
         Waypoint(each.name, each.duration, each.positions) for each in request.waypoints
     ]
@@ -84,7 +84,7 @@ def save_waypoint_path(
 
 @_paths.delete("/waypoint-paths/{name}", **change(404, 422))
 def delete_waypoint_path(name: PathName, services: ServicesDep) -> WaypointPath:
-    """Delete a path; return its last content."""
+    """Delete a path; return it."""
     return services.waypoint_paths.delete(name)
 
 
@@ -92,10 +92,10 @@ def delete_waypoint_path(name: PathName, services: ServicesDep) -> WaypointPath:
 def capture_waypoint(
     name: PathName, services: ServicesDep, request: wire.CaptureRequest | None = None
 ) -> WaypointPath:
-    """Add the present positions to the end of a path; make the path if it is new.
+    """Add the present positions to the end of a path, which may be new.
 
-    Captured are the joints that loaded trajectory controllers move; without such a
-    controller, all joints.
+    This captures the joints that loaded trajectory controllers move, or all joints
+    without such a controller.
     """
     wanted = request or wire.CaptureRequest()
     return services.waypoint_paths.capture(name, wanted.name or "", wanted.duration)
@@ -110,11 +110,11 @@ def play_waypoint_path(
     by_rehearsal: ByRehearsalDep,
     request: wire.PlayRequest | None = None,
 ) -> Playback:
-    """Move along a path; a path that plays is replaced.
+    """Move along a path; it replaces a path that plays now.
 
-    The robot follows goals of a trajectory controller that runs, one a round. A stop,
+    The robot follows goals of a running trajectory controller, one per round. A stop,
     another goal, a switch or a violated tolerance ends the path; nothing resumes it.
-    Joints that go on in the same direction do not stand still at a waypoint.
+    Joints that go on in the same direction do not stop at a waypoint.
     """
     wanted = request or wire.PlayRequest()
     options = wanted.model_dump()
@@ -131,7 +131,7 @@ def get_playback(services: ServicesDep) -> wire.LastPlayback:
 
 @_paths.patch("/playback", **change(404, 409, 413, 422, 423, 503))
 def change_playback(request: wire.PlaybackPatch, services: ServicesDep) -> Playback:
-    """Pause or resume the path that plays; change its speed, or whether it loops."""
+    """Pause or resume the path that plays, or change its speed or loop."""
     player = services.path_player
     found = player.adjust(speed=request.speed, loop=request.loop)
     if request.paused is not None:

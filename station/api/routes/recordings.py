@@ -1,4 +1,4 @@
-"""Recordings of every cycle, and the incidents that the station keeps by itself."""
+"""Recordings of every cycle, and incidents, which the station keeps by itself."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 EndpointT = TypeVar("EndpointT", bound=Callable[..., object])
 MEDIA_TYPE = "application/octet-stream"
-"""MCAP has no registered type; generated clients know this one."""
+"""Media type of files: MCAP has no registered type, and generated clients know this
+one."""
 Id = Annotated[
     RecordingId,
     Path(
@@ -75,7 +76,7 @@ async def get_recorder(services: ServicesDep) -> "Recorder":
     """Return the recorder of the station.
 
     Raises:
-        RecordingRefusedError: This station records nothing.
+        RecordingRefusedError: This station has no recordings.
     """
     if services.recorder is None:
         raise RecordingRefusedError(
@@ -90,7 +91,7 @@ RecorderDep = Annotated[Any, Depends(get_recorder)]
 
 
 async def get_store(request: Request, recorder: RecorderDep) -> RecordStore:
-    """Return the store that the path of a request names.
+    """Return the store of the request's path: recordings or incidents.
 
     Raises:
         RecordingRefusedError: This station keeps no incidents.
@@ -120,7 +121,7 @@ _TABLE: dict[int | str, dict[str, Any]] = {
 }
 router = routes_of("recordings")
 uploads = APIRouter(tags=["recordings"], dependencies=[Viewer], route_class=QueryRoute)
-"""Of a body that is no JSON: it is a file, read as it comes."""
+"""Route whose body is not JSON but a file, which is read as it comes."""
 
 
 @router.get("/recordings", responses=problems(409))
@@ -164,11 +165,12 @@ async def upload_recording(
         ),
     ] = "",
 ) -> wire.Recording:
-    """Keep the MCAP file of a station, this one or another, among the recordings.
+    """Add the MCAP file of this or another station to the recordings.
 
-    The body is the file, 500 MB at most. One that is no whole recording is refused.
+    The body is the file, 500 MB at most. A file that is not a complete recording is
+    refused.
     """
-    # Imported late, as in `_trajectory`.
+    # Imported late, as in `get_trajectory`.
     from station.records.upload import Upload
 
     upload = await to_thread.run_sync(Upload, recorder.store, name)
@@ -183,19 +185,19 @@ async def upload_recording(
 
 @router.get("/recordings/{identifier}", responses=problems(404, 409, 422))
 def get_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
-    """Return the description of a recording, finished or running."""
+    """Return the description of an ended or running recording."""
     return wire.Recording.model_validate(recorder.info(identifier))
 
 
 @router.post("/recordings/{identifier}/stop", **change(404, 409, 422))
 def stop_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
-    """End a recording; its file is whole when the answer comes."""
+    """End a recording; its file is complete when the answer comes."""
     return wire.Recording.model_validate(recorder.stop(identifier))
 
 
 @router.delete("/recordings/{identifier}", **change(404, 409, 422))
 def delete_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
-    """Delete a recording that does not run; return its description."""
+    """Delete an ended recording; return its description."""
     return wire.Recording.model_validate(recorder.store.delete(identifier))
 
 
@@ -203,8 +205,8 @@ def delete_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
 def list_incidents(store: StoreDep) -> wire.Recordings:
     """List the incidents, the oldest first.
 
-    The ten seconds before and the two after every stop, reflex, burst of overruns and
-    fault of a controller; the oldest incidents make room for new ones.
+    An incident has the ten seconds before and the two seconds after a stop, a reflex, a
+    burst of overruns or a fault of a controller. New incidents replace the oldest ones.
     """
     return wire.Recordings.model_validate({"recordings": store.infos()})
 
@@ -222,14 +224,14 @@ def both(
     name: str,
     **options: Any,  # noqa: ANN401 - those of the framework
 ) -> Callable[[EndpointT], EndpointT]:
-    """Return a decorator that makes a route of a recording and one of an incident.
+    """Return a decorator that adds a route for recordings and one for incidents.
 
     Args:
         routes: Router that gets the routes.
         method: HTTP method.
         path: Path below that of the recording or the incident.
         name: Name of the operation, with `{}` for the noun.
-        options: Those of the framework.
+        options: Options of the framework.
     """
 
     def add(endpoint: EndpointT) -> EndpointT:
@@ -255,7 +257,7 @@ def both(
     response_class=FileResponse,
 )
 def get_file(identifier: Id, store: StoreDep) -> FileResponse:
-    """Return the MCAP file of a recording or an incident that has ended."""
+    """Return the MCAP file of an ended recording or incident."""
     info = ended(store, identifier)
     return FileResponse(
         store.file(info.identifier),
@@ -280,11 +282,11 @@ def get_table(
     joints: Joints = [],  # noqa: B006
     rate: RowRate = None,
 ) -> StreamingResponse:
-    """Return a recording or an incident that has ended as CSV, a row per cycle.
+    """Return an ended recording or incident as CSV, with one row per cycle.
 
-    A column is called after its channel, its field and the number's joint or axis, e.g.
+    The name of a column has the channel, the field, and the joint or axis, e.g.
     `joint_states/position/panda_joint1`; `cycle`, `time`, `period` and `epoch` come
-    first. Where a channel has no message in a cycle, it has `nan`.
+    first. Columns of a channel without a message in a cycle have `nan`.
     """
     # Imported late, as in `get_trajectory`.
     from station.records.export import csv_pieces
@@ -292,7 +294,7 @@ def get_table(
 
     choice = Choice(tuple(channels), tuple(joints), rate)
     info = ended(store, identifier)
-    # A file that cannot be read is refused here, before the answer begins.
+    # This call refuses an unreadable file, before the answer begins.
     pause = station.loop.right_of_way.give
     pieces = csv_pieces(store.file(info.identifier), choice, pause)
     name = f'attachment; filename="{info.identifier}.csv"'
@@ -306,8 +308,8 @@ def get_table(
 def get_trajectory(
     identifier: Id, store: StoreDep, rate: Rate = 30.0
 ) -> wire.Trajectory:
-    """Return the joint positions of a recording or an incident that has ended."""
-    # Imported late: an application without a recorder needs no reader of MCAP.
+    """Return the joint positions of an ended recording or incident."""
+    # Imported late, because an application without a recorder needs no MCAP reader.
     from station.records.recording_reader import read_trajectory
 
     info = ended(store, identifier)
@@ -322,7 +324,7 @@ def get_trajectory(
 
 @both(router, "GET", "events", "get_{}_events", responses=problems(404, 409, 422))
 def get_events(identifier: Id, store: StoreDep) -> wire.RecordedEvents:
-    """Return the events of a recording or an incident that has ended, with notes."""
+    """Return the events of an ended recording or incident, with its notes."""
     # Imported late, as in `get_trajectory`.
     from station.records.recording_events import read_events
 
@@ -345,7 +347,7 @@ def add_note(
     recorder: RecorderDep,
     store: StoreDep,
 ) -> wire.RecordedEvent:
-    """Write a note into a recording or an incident; it becomes an event."""
+    """Add a note to a recording or an incident, where it becomes an event."""
     found = recorder.add_note(
         store,
         ended(store, identifier).identifier,
@@ -358,7 +360,7 @@ def add_note(
 
 
 def ended(store: RecordStore, identifier: str) -> RecordingInfo:
-    """Return a recording that has ended, and whose file is there.
+    """Return an ended recording whose file exists.
 
     Raises:
         RecordingRefusedError: The recording is not finished, or its file is gone.
@@ -383,7 +385,7 @@ async def _receive(request: Request, upload: "Upload") -> None:
     """Write the body of a request to the disk as it comes.
 
     Raises:
-        RecordingRefusedError: It ended early.
+        RecordingRefusedError: The body ended early.
     """
     try:
         async for part in request.stream():

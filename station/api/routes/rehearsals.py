@@ -19,8 +19,8 @@ from station.wire.rehearsal import PlanRequest, RehearsalRequest
 router = routes_of("rehearsals")
 
 
-# Whoever holds control: it moves nothing, and a person who tries what an agent asks for
-# must not take control away from it.
+# A rehearsal needs no control of the station: it moves nothing, and a person who
+# rehearses an agent's request must not take control from the agent.
 @router.post(
     "/rehearse",
     dependencies=[OperatorAnyway],
@@ -29,14 +29,15 @@ router = routes_of("rehearsals")
 def rehearse(
     request: RehearsalRequest, services: ServicesDep, access: AccessDep
 ) -> Rehearsal:
-    """Forecast the end of commands without moving anything.
+    """Forecast the effect of commands; nothing moves.
 
-    A copy of the simulated station carries them out ahead of time: the same world, the
-    same controllers in the same state. A stepped station then goes the same way bit for
-    bit. With a certificate a command is carried out only if nothing that matters has
-    changed since, and the station stops if the robot leaves the rehearsed motion.
+    A copy of the simulated station, with the same world and the same state of
+    controllers, carries the commands out ahead of time. A stepped station then makes
+    the same motion, bit for bit. A command with a certificate is carried out only if
+    the conditions of the rehearsal have not changed, and the station stops if the robot
+    leaves the rehearsed motion.
 
-    For a real Franka arm that stands still, a simulated model of it does so (`twin`).
+    For a real Franka arm at rest, a simulated model of the arm is used (`twin`).
     """
     steps = [step.as_input() for step in request.steps]
     return services.rehearsals.rehearse(
@@ -50,14 +51,14 @@ def rehearse(
 
 @router.post("/plan", **change(404, 409, 413, 422, 429, 503))
 def plan(request: PlanRequest, services: ServicesDep, access: AccessDep) -> Plan:
-    """Return a goal that leads to a target and touches nothing; nothing moves.
+    """Plan a path without collisions to a target; nothing moves.
 
-    The target is a pose of joints, of the end effector, or one that has a name. The
-    path keeps 5 mm from everything, is timed within the limits, and was rehearsed.
-    Without a path the answer says why: which bodies would touch in the pose, which
-    joint would leave its range or is at its end, or that the time was over.
+    The target is a pose of joints, a pose of the end effector, or a named pose. The
+    path keeps 5 mm from everything, respects the limits, and has been rehearsed. If no
+    path is found, the answer has the reason: the bodies that would touch in the pose,
+    the joint that would leave its range or is at its end, or that time ran out.
 
-    For a real Franka arm that stands still, a simulated model of it does so (`twin`).
+    For a real Franka arm at rest, a simulated model of the arm is used (`twin`).
     """
     place = request.pose
     wish = Wish(
@@ -72,7 +73,7 @@ def plan(request: PlanRequest, services: ServicesDep, access: AccessDep) -> Plan
 
 
 class ByRehearsal:
-    """Gives commands as the caller's policy and certificate want it. One request."""
+    """Gives the command of one request under the caller's policy and certificate."""
 
     def __init__(
         self,
@@ -100,8 +101,8 @@ class ByRehearsal:
         """Give a command in the body of a `with`, which must not wait for the robot.
 
         Args:
-            kind: Its kind, as a step of a rehearsal.
-            command: Its arguments, as those of the step.
+            kind: Kind of the command, as in a step of a rehearsal.
+            command: Arguments of the command, as in the step.
         """
         rehearsals, step = self._rehearsals, {"kind": kind, **command}
         with rehearsals.redeemed(self._certificate, step) as receipt:

@@ -1,4 +1,4 @@
-"""Arms and their grippers: state, model, services, and controls of simulations."""
+"""Arms and grippers: state, model, services, and buttons and faults in simulation."""
 
 from dataclasses import fields
 
@@ -40,9 +40,9 @@ def list_robots(station: StationDep) -> wire.Arms:
 def recover_all(
     station: StationDep, request: wire.RecoveryRequest | None = None
 ) -> wire.Recoveries:
-    """Clear the errors of all arms, or of none if one of them cannot recover.
+    """Clear the errors of all arms, or of none if an arm cannot recover.
 
-    Nothing happens when no arm has an error.
+    Nothing happens if no arm has an error.
     """
     restart = request is not None and request.restart == "previous"
     restarted = station.robots.recover_all(restart=restart)
@@ -127,7 +127,7 @@ add_service(
 def set_force_torque_collision_behavior(
     arm_id: str, request: wire.ForceTorqueCollisionBehavior, arms: ArmsDep
 ) -> wire.ArmReport:
-    """Set the thresholds of every phase; refused while the arm moves."""
+    """Set the thresholds of all phases of a motion; refused while the arm moves."""
     arms.set_collision_behavior(arm_id, collision_thresholds(request))
     return _report(arms, arm_id)
 
@@ -136,7 +136,7 @@ def set_force_torque_collision_behavior(
 def set_full_collision_behavior(
     arm_id: str, request: wire.FullCollisionBehavior, arms: ArmsDep
 ) -> wire.ArmReport:
-    """Set the thresholds of both phases; refused while the arm moves."""
+    """Set separate thresholds for accelerating; refused while the arm moves."""
     arms.set_collision_behavior(arm_id, collision_thresholds(request))
     return _report(arms, arm_id)
 
@@ -145,9 +145,9 @@ def set_full_collision_behavior(
 def error_recovery(
     arm_id: str, station: StationDep, request: wire.RecoveryRequest | None = None
 ) -> wire.Recovery:
-    """Clear the errors; controllers stay stopped unless asked for.
+    """Clear the errors; controllers stay stopped unless `restart` starts them.
 
-    Every command and goal from before is void. Nothing happens when there is no error.
+    All earlier commands and goals become void. Nothing happens without an error.
     """
     restart = request is not None and request.restart == "previous"
     restarted = station.robots.recover(arm_id, restart=restart)
@@ -220,7 +220,7 @@ def get_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
 
 @router.post("/{arm_id}/gripper/homing", status_code=202, **_WRITE)
 def home_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
-    """Begin to close and to open the gripper all the way; answers at once."""
+    """Begin to close and to open the gripper completely; answer at once."""
     return answers.gripper(arm_id, grippers.homing(arm_id))
 
 
@@ -228,9 +228,9 @@ def home_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
 def move_gripper(
     arm_id: str, request: wire.GripperMoveRequest, grippers: GrippersDep
 ) -> wire.Gripper:
-    """Begin to open or close the gripper to a width; answers at once.
+    """Begin to open or close the gripper to a width; answer at once.
 
-    It ends the command before, as every command of a gripper does.
+    Like every command of a gripper, it ends the previous one.
     """
     found = grippers.move(arm_id, request.width, request.speed)
     return answers.gripper(arm_id, found)
@@ -240,10 +240,10 @@ def move_gripper(
 def grasp(
     arm_id: str, request: wire.GripperGraspRequest, grippers: GrippersDep
 ) -> wire.Gripper:
-    """Begin to grasp an object; answers at once.
+    """Begin to grasp an object; answer at once.
 
-    The fingers close, or open when they are too close for the width, until an object
-    stops them. When its width is the expected one, they press it with the force.
+    The fingers close, or open if they are closer than the width, until an object stops
+    them. If the object has the expected width, the fingers press it with the force.
     """
     found = grippers.grasp(arm_id, grasp_request(request))
     return answers.gripper(arm_id, found)
@@ -251,9 +251,9 @@ def grasp(
 
 @router.post("/{arm_id}/gripper/stop", **change(404, 413, 422, 503))
 def stop_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
-    """Hold the fingers still without force: a grasped object can fall.
+    """Hold the fingers still without force; a grasped object can fall.
 
-    Possible at any time, also while the station is stopped.
+    This is possible at any time, also while the station is stopped.
     """
     return answers.gripper(arm_id, grippers.stop(arm_id))
 
@@ -261,7 +261,7 @@ def stop_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
 def collision_thresholds(
     request: wire.ForceTorqueCollisionBehavior,
 ) -> CollisionBehavior:
-    """Return the thresholds; the nominal ones serve while accelerating if alone."""
+    """Return the thresholds; nominal ones also apply to accelerating by default."""
     given = request.model_dump()
     chosen = {
         one.name: given.get(

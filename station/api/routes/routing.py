@@ -1,4 +1,4 @@
-"""Routes: for whom they are, and their errors as the OpenAPI document has them."""
+"""Options of routes: the needed role, and the errors for the OpenAPI document."""
 
 from typing import Any
 
@@ -39,9 +39,9 @@ def routes_of(
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """Return the OpenAPI entries of these statuses, and of those every route has.
+    """Return the OpenAPI entries of some statuses, and of those of every route.
 
-    A route that can refuse a body as too large can refuse one that is no JSON.
+    A route that may refuse a body as too large may also refuse it as not JSON.
     """
     with_body = (415,) if 413 in statuses else ()
     return {
@@ -51,8 +51,8 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
 
 
 def change(*statuses: int) -> dict[str, Any]:
-    """Return the options of a route that changes something: its role, its errors.
+    """Return the options of a route that makes changes: its role and its errors.
 
-    Any of them can refuse its query or `X-Not-After` as malformed.
+    Every such route may refuse its query or `X-Not-After` as malformed.
     """
     return {"dependencies": [Operator], "responses": problems(422, *statuses)}

@@ -1,4 +1,4 @@
-"""Pause, step, reset and the pace of a simulated robot, and the scene around it."""
+"""Pause, step, reset and speed of a simulated robot, and the scene around it."""
 
 from typing import Annotated
 
@@ -23,13 +23,13 @@ _CHANGE = change(409, 413, 422, 503)
 
 @router.get("/simulation", responses=problems(409))
 def get_simulation(station: StationDep) -> Simulation:
-    """Return whether simulated time passes, and how fast."""
+    """Return the state of simulated time: paused or not, and its speed."""
     return station.simulation.report()
 
 
 @router.patch("/simulation", **_CHANGE)
 def patch_simulation(request: wire.SimulationPatch, station: StationDep) -> Simulation:
-    """Pause, resume or change the pace. Stops and switches work while it is paused."""
+    """Pause, resume or change the speed. Stops and switches also work in a pause."""
     return station.simulation.change(
         paused=request.paused, real_time_factor=request.real_time_factor
     )
@@ -37,7 +37,7 @@ def patch_simulation(request: wire.SimulationPatch, station: StationDep) -> Simu
 
 @router.post("/simulation/step", **_CHANGE)
 def step(station: StationDep, request: wire.StepRequest | None = None) -> Simulation:
-    """Run some cycles of a paused simulation; answers when they are done."""
+    """Run some cycles of a paused simulation; answer when they are done."""
     return station.simulation.step((request or wire.StepRequest()).n)
 
 
@@ -45,7 +45,7 @@ def step(station: StationDep, request: wire.StepRequest | None = None) -> Simula
 def reset(station: StationDep, request: wire.ResetRequest | None = None) -> Simulation:
     """Put the world back to its start, or to a keyframe of the robot.
 
-    Running controllers start anew from there. Earlier set-points and goals are void.
+    Running controllers start again from there. Earlier set-points and goals are void.
     """
     asked = request or wire.ResetRequest()
     return station.simulation.reset(asked.joint_positions, asked.keyframe)
@@ -76,7 +76,7 @@ def put_scene_object(
 
 @router.delete("/scene/{name}", **change(404, 409, 503))
 def delete_scene_object(name: ObjectName, station: StationDep) -> wire.Scene:
-    """Remove an object with a role; answers with the remaining objects."""
+    """Remove an object with a role; return the remaining objects."""
     station.surroundings.remove(name)
     return scene(station)
 
@@ -88,10 +88,10 @@ def delete_scene_object(name: ObjectName, station: StationDep) -> wire.Scene:
 def attach_scene_object(
     name: ObjectName, station: StationDep, request: wire.AttachRequest | None = None
 ) -> wire.SceneObject:
-    """Let an arm carry an object: it moves with the hand and is guarded as its part.
+    """Let an arm carry an object, which then moves and is guarded as part of the hand.
 
-    The load of the arm is set, so it must not move. A simulated body stays a body: the
-    fingers have to hold it.
+    The arm must not move, because its load is set. A simulated body stays a body, so
+    the fingers must hold it.
     """
     asked = request or wire.AttachRequest()
     found = station.surroundings.attach(name, asked.arm, load=asked.load)
@@ -105,7 +105,7 @@ def attach_scene_object(
 def detach_scene_object(
     name: ObjectName, station: StationDep, request: wire.DetachRequest | None = None
 ) -> wire.SceneObject:
-    """Let an object that an arm carries stay at its present pose."""
+    """Let an arm put an object down, at the object's present pose."""
     asked = request or wire.DetachRequest()
     found = station.surroundings.detach(name, load=asked.load)
     return wire.SceneObject.model_validate(found)
@@ -127,7 +127,7 @@ def get_saved_scene(name: SceneName, services: ServicesDep) -> SavedScene:
 def save_scene(
     name: SceneName, services: ServicesDep, station: StationDep
 ) -> SavedScene:
-    """Save the objects that have a role now; a scene of that name is replaced.
+    """Save the present objects with a role; they replace a scene of the same name.
 
     Solid and carried objects are left out.
     """
@@ -148,5 +148,5 @@ def load_scene(
 
 @router.delete("/scenes/{name}", **change(404, 422))
 def delete_saved_scene(name: SceneName, services: ServicesDep) -> SavedScene:
-    """Delete a saved scene; return its last content."""
+    """Delete a saved scene; return it."""
     return services.scenes.delete(name)

@@ -19,7 +19,7 @@ router = APIRouter()
 
 @router.get("/health", tags=["health"], responses=problems(503))
 async def health(station: StationDep) -> Health:
-    """Answer while the process lives; 503 when its control loop died: restart it.
+    """Answer while the process runs; 503 if its control loop died: restart the station.
 
     Raises:
         ProblemError: The control loop died.
@@ -32,7 +32,7 @@ async def health(station: StationDep) -> Health:
 
 @router.get("/ready", tags=["health"], responses=problems(503))
 async def ready(station: StationDep) -> Ready:
-    """Answer while the loop runs with fresh cycles; 503 with the reason if not.
+    """Answer while the loop runs with fresh cycles; otherwise 503 with the reason.
 
     Raises:
         ProblemError: The loop does not run, or its last cycle is old.
@@ -47,7 +47,7 @@ async def ready(station: StationDep) -> Ready:
 
 @lru_cache(maxsize=1)
 def versions() -> dict[str, str]:
-    """Return the versions of the station and of the packages below it."""
+    """Return the versions of the station and of the packages that it uses."""
     found = {"station": package.__version__, "python": platform.python_version()}
     for name in ("mujoco", "numpy", "fastapi", "viser"):
         try:
@@ -78,7 +78,7 @@ def status(services: ServicesDep) -> Status:
     "/joint_states", tags=["robot"], dependencies=[Viewer], responses=problems(503)
 )
 async def joint_states(station: StationDep) -> JointStates:
-    """Return positions, velocities and efforts of all joints, of the same cycle."""
+    """Return positions, velocities and efforts of all joints in the same cycle."""
     return answers.joint_states(station.latest(), station.joint_names)
 
 
@@ -90,7 +90,7 @@ def hardware(station: StationDep) -> Hardware:
 
 @router.get("/loop", tags=["loop"], dependencies=[Viewer], responses=problems())
 def loop(station: StationDep) -> LoopReport:
-    """Return rate, lateness, skipped cycles and the time that each phase takes."""
+    """Return rate, lateness, skipped cycles and duration of each phase of the loop."""
     return station.loop.report()
 
 
@@ -101,6 +101,6 @@ def loop(station: StationDep) -> LoopReport:
     responses=problems(503),
 )
 def reset_statistics(station: StationDep) -> LoopReport:
-    """Start the statistics anew."""
+    """Reset the statistics of the loop."""
     station.loop.reset_statistics()
     return station.loop.report()

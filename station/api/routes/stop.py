@@ -1,7 +1,7 @@
-"""The latched stop. A software stop, not a safety device.
+"""The latched stop, which is a software stop and not a safety device.
 
-Stopping runs in the event loop itself, so that no other request makes a stop wait, and
-the robot stops whatever the body of the request is.
+The stop runs in the event loop itself, so that it does not wait for other requests. The
+robot stops whatever the body of the request is.
 """
 
 import asyncio
@@ -19,9 +19,9 @@ from station.core.loop.stop_latch import StopLatch
 from station.wire import ReleaseRequest, StopRequest, StopState
 
 BODY_TIMEOUT = 0.01
-"""How long a stop waits for its own reason [s]; it comes with the request."""
+"""Longest wait of a stop for the reason in its body [s]."""
 CARRY_OUT_TIMEOUT = 0.1
-"""How long an answer waits for the cycle that stops the controllers [s]."""
+"""Longest wait of the answer for the cycle that stops the controllers [s]."""
 _STOP_BODY = {
     "requestBody": {
         "content": {
@@ -43,10 +43,10 @@ async def get_stop(station: StationDep) -> StopState:
 
 @router.post("/stop", responses=problems(413), openapi_extra=_STOP_BODY)
 async def stop(station: StationDep, role: RoleDep, request: Request) -> StopState:
-    """Stop every controller in the next cycle; anybody with a token may.
+    """Stop every controller in the next cycle; every token allows this.
 
-    The body is optional; a body that cannot be read is ignored. Stopping twice is the
-    same as stopping once. Nothing moves until the stop is released and armed.
+    The body is optional; an unreadable body is ignored. A second stop changes nothing.
+    Nothing moves until the stop is released and armed.
     """
     station.stop(await _reason(request) or f"The {role.value} asked for it.")
     await _carried_out(station.loop.stop_latch)
@@ -58,7 +58,7 @@ async def _reason(request: Request) -> str:
         body = await asyncio.wait_for(request.body(), BODY_TIMEOUT)
         return StopRequest.model_validate_json(body).reason
     except (ValidationError, HTTPException, ClientDisconnect, TimeoutError):
-        return ""  # The robot stops all the same; the answer shows the reason kept.
+        return ""  # the robot stops anyway; the answer has the kept reason
 
 
 async def _carried_out(latch: StopLatch) -> None:
@@ -72,7 +72,7 @@ async def _carried_out(latch: StopLatch) -> None:
 def release_stop(
     station: StationDep, request: ReleaseRequest | None = None
 ) -> StopState:
-    """Release the stop; a second time with `arm` to allow motion again.
+    """Release the stop; a second call with `arm` allows motion again.
 
     Nothing resumes by itself: controllers must be started again.
     """

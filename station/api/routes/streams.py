@@ -36,10 +36,10 @@ def access_of(websocket: WebSocket) -> Access | None:
 
 @router.websocket("/streams/command/{controller}")
 async def command_stream(websocket: WebSocket, controller: str) -> None:
-    """Take a stream of set-points; refusals are close codes.
+    """Accept a stream of set-points; a refusal is a close code.
 
     Raises:
-        StreamRequestError: Never: it becomes a close code.
+        StreamRequestError: Never raised: it becomes a close code.
     """
     access = await accepted_access(websocket)
     if access is None:
@@ -96,12 +96,12 @@ def _close_code(error: StationError) -> int:
 
 
 def _short(reason: str) -> str:
-    """Return a reason that fits into a close frame."""
+    """Return a reason, shortened to fit into a close frame."""
     return reason.encode()[:120].decode(errors="ignore")
 
 
 async def accepted_access(websocket: WebSocket) -> Access | None:
-    """Accept a WebSocket and return its rights; close it when it proves none."""
+    """Accept a WebSocket and return its rights; close it if it proves none."""
     services = services_of(websocket)
     await websocket.accept()
     access = access_of(websocket)
@@ -118,7 +118,7 @@ async def accepted_access(websocket: WebSocket) -> Access | None:
 
 @router.websocket("/streams/{topic:path}")
 async def stream(websocket: WebSocket, topic: str) -> None:
-    """Stream a topic; refusals are close codes, which browsers only see once open."""
+    """Stream a topic; a refusal is a close code, sent after accepting for browsers."""
     services = services_of(websocket)
     access = await accepted_access(websocket)
     if access is None:
@@ -146,20 +146,19 @@ async def stream_needs_websocket(topic: str) -> NoReturn:
     """Open `ws://…/api/v1/streams/{topic}?rate=HZ&fields=a,b&format=json|msgpack`.
 
     Topics: `joint_states`, `controllers`, `loop`, `scene`, `events`,
-    `controller_state/{name}`, `robot_state/{arm_id}`. The first frame is
-    `{"topic": "hello", "boot_id", "epoch", "data": {…}}` with a snapshot of everything;
-    every frame has `topic`, `seq`, `epoch`, `cycle`, `stamp`, `data`. A client that is
-    slow misses frames, which gaps in `seq` show. `rate=full` sends every cycle in
-    batches: `data.samples`, each with
-    its `cycle`; in `data.lost` how many cycles were overwritten before they were sent,
-    and in `data.skipped` how many deadlines the loop missed, so that there was no
-    cycle.
-    Programs send their bearer token, browsers a ticket of POST
-    /api/v1/stream-tickets as `&ticket=…`. Close codes: 4400 bad request, 4401 no
-    token, 4403 wrong origin, 4404 no such topic, 4408 too slow, 1001 shutting down.
+    `controller_state/{name}`, `robot_state/{arm_id}`. The first frame is `{"topic":
+    "hello", "boot_id", "epoch", "data": {…}}` with a snapshot of everything; every
+    frame has `topic`, `seq`, `epoch`, `cycle`, `stamp`, `data`. A slow client misses
+    frames, which gaps in `seq` show. `rate=full` sends every cycle in batches:
+    `data.samples` has the samples with their `cycle`, `data.lost` the number of cycles
+    that were overwritten before they were sent, and `data.skipped` the number of
+    deadlines for which the loop made no cycle. Programs send their bearer token,
+    browsers a ticket of POST /api/v1/stream-tickets as `&ticket=…`. Close codes: 4400
+    bad request, 4401 no token, 4403 wrong origin, 4404 no such topic, 4408 too slow,
+    1001 shutting down.
 
     Raises:
-        ProblemError: Always: this is a WebSocket.
+        ProblemError: Always, because this is a WebSocket.
     """
     raise ProblemError(
         426,

@@ -1,4 +1,4 @@
-"""Named tokens: made, listed and revoked by the bearer of the station's token."""
+"""Named tokens, which the bearer of the station's own token makes and revokes."""
 
 from typing import Annotated
 
@@ -26,7 +26,7 @@ Name = Annotated[TokenName, Path(description="Name of the token.", examples=["ad
 
 @router.get("", responses=problems())
 async def list_tokens(services: ServicesDep) -> Tokens:
-    """List the named tokens that are valid; the tokens themselves are not kept."""
+    """List the valid named tokens; the tokens themselves are not kept."""
     return Tokens(
         tokens=[_token(token) for token in services.authenticator.named.all()]
     )
@@ -39,9 +39,9 @@ async def create_token(
     access: AccessDep,
     services: ServicesDep,
 ) -> NewToken:
-    """Make a token for a person or a program; the answer alone has it.
+    """Make a token for a person or a program; only this answer contains it.
 
-    Only the station's own operator token can: a named token that was revoked must not
+    This needs the station's own operator token: otherwise a revoked named token could
     live on in tokens that it has made.
     """
     _check_own(access)
@@ -80,10 +80,10 @@ async def revoke_token(
 
 
 def _check_own(access: Access) -> None:
-    """Refuse the bearer of a named token.
+    """Refuse a caller with a named token.
 
     Raises:
-        ProblemError: The caller bears a named token.
+        ProblemError: The caller has a named token.
     """
     if access.token is not None:
         raise ProblemError(

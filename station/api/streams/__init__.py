@@ -1,4 +1,4 @@
-"""WebSocket streams: each frame is made once and sent to all clients that asked."""
+"""WebSocket streams: each frame is made once and sent to all clients that want it."""
 
 from station.api.streams.broadcaster import Broadcaster as Broadcaster
 from station.api.streams.request import (

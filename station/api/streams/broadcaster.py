@@ -1,4 +1,4 @@
-"""Serves WebSocket clients: hello first, then frames as fast as each one takes them."""
+"""Serve WebSocket clients: first hello, then frames as fast as each client reads."""
 
 import asyncio
 import logging
@@ -21,20 +21,20 @@ from station.core.facade.station import Station
 
 CLOSE_INTERNAL_ERROR = 1011
 PORT = "station.port"
-"""Key in the scope's state of the client's connection, a `StreamPort`."""
+"""Key in the scope's state for the client's connection, a `StreamPort`."""
 
 _log = logging.getLogger(__name__)
 
 
 class Broadcaster:
-    """All streams of a station. For one event loop.
+    """All streams of a station. Use it in one event loop only.
 
     Args:
         station: Source of the data.
-        slow_after: A client that takes nothing for so long is closed [s].
-        max_clients: More are turned away. Viewers together get at most three quarters
-            of them, and each browser's session a quarter, so that no viewer can keep
-            the operators out.
+        slow_after: Time without reading after which a client is closed [s].
+        max_clients: Most clients at the same time. Viewers together may have three
+            quarters of them, and a browser's session a quarter, so that no viewer can
+            keep operators out.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Broadcaster:
         topic: Topic,
         access: Access,
     ) -> None:
-        """Send frames to an accepted client until either side, or its session, ends."""
+        """Send frames to an accepted client until either side or its session ends."""
         refused = self._refusal(access)
         if refused is not None:
             await websocket.close(wire.CLOSE_TRY_LATER, refused)
@@ -79,18 +79,19 @@ class Broadcaster:
             task.cancel()
 
     def _refusal(self, access: Access) -> str | None:
-        """Return the reason for refusing another stream; None when it is accepted."""
+        """Return the reason for refusing another stream; None if it is accepted."""
         present, most = self._clients.values(), self._max_clients
         if self._closing.is_set():
             return "the station shuts down"
         if len(present) >= most:
             return f"there are {most} streams already"
-        # Viewers leave a quarter free, so that an operator can always look.
+        # Viewers must leave a quarter free, so that an operator can always open a
+        # stream.
         share = most - most // 4
         viewers = sum(one.role is Role.VIEWER for one in present)
         if access.role is Role.VIEWER and viewers >= share:
             return f"viewers have {share} streams already"
-        # One page that opens streams again and again shuts nobody else out.
+        # A page that opens more and more streams must not keep other clients out.
         share = max(1, most // 4)
         same = sum(one.session is access.session for one in present)
         if access.session is not None and same >= share:
@@ -128,7 +129,7 @@ class Broadcaster:
         client: StreamClient,
         access: Access,
     ) -> tuple[int, str]:
-        """Return the closing code and reason: (0, "") if the client is gone already."""
+        """Return the closing code and reason; (0, "") if the client has left."""
         ends: list[tuple[Coroutine[object, object, None], int, str]] = [
             (_drain(websocket), 0, ""),
             (self._feed(channel, client), wire.CLOSE_TOO_SLOW, "took no frame in time"),
@@ -139,11 +140,11 @@ class Broadcaster:
         return await first_end(ends, what)
 
     async def wait_closing(self) -> None:
-        """Wait until all streams have to end because the station shuts down."""
+        """Wait until all streams must end because the station shuts down."""
         await self._closing.wait()
 
     async def _feed(self, channel: Channel, client: StreamClient) -> None:
-        """Send frames; return when the client takes none for too long."""
+        """Send frames; return if the client reads none for too long."""
         seq = channel.beginning
         hello = await anyio.to_thread.run_sync(self._hello, channel.request, seq)
         await client.serve(hello)
@@ -157,7 +158,7 @@ class Broadcaster:
             snapshot = station.latest()
             states = answers.joint_states(snapshot, station.joint_names)
             data["joint_states"] = states.model_dump()
-        # A client may connect to a station whose loop has ended, to learn why.
+        # A client may connect to a station whose loop has ended, to learn the reason.
         except StationError:
             _log.info("a client connects while the loop does not run")
         loop = station.loop
@@ -174,14 +175,15 @@ class Broadcaster:
 async def first_end(
     ends: Sequence[tuple[Coroutine[object, object, None], int, str]], what: str
 ) -> tuple[int, str]:
-    """Wait for the first of some ends of a connection; the others are cancelled.
+    """Wait for the first of several ends of a connection, and cancel the others.
 
     Args:
-        ends: Coroutines that return when the connection must end; code and reason.
-        what: Name of the connection in the log, if one of them raises.
+        ends: For each end, a coroutine that returns when the connection must end, and
+            the close code and reason.
+        what: Name of the connection in the log, if a coroutine raises an error.
 
     Returns:
-        How to close: (0, "") when the client is gone already.
+        Close code and reason; (0, "") if the client has already left.
     """
     tasks = [asyncio.create_task(end) for end, _, _ in ends]
     try:
@@ -189,8 +191,8 @@ async def first_end(
     finally:
         for task in tasks:
             task.cancel()
-        # Waits for the cancelled ones as well: what they hold is let go before the next
-        # step.
+        # Wait for the cancelled ones as well, so that they release what they hold
+        # before the next step.
         outcomes = await asyncio.gather(*tasks, return_exceptions=True)
     for outcome, (_, code, reason) in zip(outcomes, ends, strict=True):
         if outcome is None:
@@ -204,7 +206,7 @@ async def first_end(
 
 
 async def _drain(websocket: WebSocket) -> None:
-    """Read and drop the client's messages; return when the client is gone."""
+    """Read and drop the client's messages; return when the client has left."""
     while True:
         message = await websocket.receive()
         if message["type"] == "websocket.disconnect":

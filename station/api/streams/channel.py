@@ -1,7 +1,7 @@
-"""Frames that several clients asked for alike: made once, taken by each client.
+"""Frames for clients with equal requests: made once, and taken by each client.
 
-Nothing is queued. A client that comes late gets the newest frame, or with every cycle
-asked for, a larger batch from the ring of cycles.
+Nothing is queued. A late client gets the newest frame; if it wants every cycle, it gets
+a larger batch from the ring of cycles.
 """
 
 import asyncio
@@ -17,26 +17,26 @@ from station.core.loop.right_of_way import RightOfWay
 from station.events import Event
 
 BATCH_PERIOD = 0.02
-"""How often clients of every cycle get a batch [s]."""
+"""Time between two batches for clients that want every cycle [s]."""
 HEARTBEAT = 1.0
-"""An unchanged state is repeated after this time [s]."""
+"""Time after which an unchanged state is sent again [s]."""
 
 
 class ChannelClient(Protocol):
-    """Client that takes the frames of a channel."""
+    """A client that takes the frames of a channel."""
 
     def ticked(self) -> None:
         """Take the waiting frames; called after every tick."""
 
     def failed(self, error: BaseException) -> None:
-        """Give up: there will be no more frames."""
+        """End, because no more frames will come."""
 
 
 class Channel(ABC):
-    """Ticks at a rate and hands out frames. For one event loop.
+    """Makes frames at a rate for its clients. Use it in one event loop only.
 
     Args:
-        request: Request that its clients have in common.
+        request: The request, which is the same for all its clients.
         right_of_way: Tells when to wait for the control thread.
         period: Time between two ticks [s].
     """
@@ -53,7 +53,7 @@ class Channel(ABC):
 
     @property
     def clients(self) -> int:
-        """Number of clients that take its frames; it ticks while there are any."""
+        """Number of clients that take its frames; it ticks while it has clients."""
         return len(self._clients)
 
     @property
@@ -64,11 +64,11 @@ class Channel(ABC):
     @property
     @abstractmethod
     def beginning(self) -> int:
-        """Number after which a new client takes frames."""
+        """Number of the frame after which a new client begins."""
 
     @abstractmethod
     def take(self, after: int) -> Frame | None:
-        """Return the next frame for a client; None when there is none yet.
+        """Return the next frame for a client; None if there is none yet.
 
         Args:
             after: Number of the last frame that the client has.
@@ -79,7 +79,7 @@ class Channel(ABC):
         """Make the frames of this tick."""
 
     def join(self, client: ChannelClient) -> None:
-        """Tell `client` of every tick from now on."""
+        """Call `client` at every tick from now on."""
         self._clients[client] = None
         if self._failure is not None:
             client.failed(self._failure)
@@ -88,7 +88,7 @@ class Channel(ABC):
             self._task = asyncio.create_task(self._run())
 
     def leave(self, client: ChannelClient) -> None:
-        """Tell `client` nothing more."""
+        """Stop calling `client`."""
         self._clients.pop(client, None)
         if not self._clients and self._task is not None:
             self._task.cancel()
@@ -96,7 +96,7 @@ class Channel(ABC):
             self.end()
 
     def begin(self) -> None:
-        """Prepare for the first client; the default has nothing to prepare."""
+        """Prepare for the first client; the default does nothing."""
         return
 
     def end(self) -> None:
@@ -112,10 +112,11 @@ class Channel(ABC):
                 for client in tuple(self._clients):
                     self._right_of_way.give()
                     client.ticked()
-                # A late tick is not made up for: clients take the newest only.
+                # A late tick is not repeated, because clients take only the newest
+                # frame.
                 deadline = max(deadline + self._period, loop.time())
                 await asyncio.sleep(deadline - loop.time())
-        except Exception as error:  # noqa: BLE001 - kept; every client gets it
+        except Exception as error:  # noqa: BLE001 - every client gets it
             self._failure = error
             for client in tuple(self._clients):
                 client.failed(error)
@@ -125,7 +126,7 @@ class StateChannel(Channel):
     """The newest state at a rate.
 
     Args:
-        request: Request that its clients have in common.
+        request: The request, which is the same for all its clients.
         right_of_way: Tells when to wait for the control thread.
         topic: Source of the state.
         rate: Frames per second [Hz].
@@ -152,7 +153,8 @@ class StateChannel(Channel):
     @property
     @override
     def beginning(self) -> int:
-        # One before the newest: a new client gets the present state without waiting.
+        # Begin one frame before the newest, so that a new client gets the present state
+        # without waiting.
         return max(0, self._frame.seq - 1)
 
     @override
@@ -165,7 +167,8 @@ class StateChannel(Channel):
         now = asyncio.get_running_loop().time()
         if payload is None:
             return
-        # A paused station makes no cycles; the heartbeat shows that the link lives.
+        # A paused station makes no cycles; repeating the state shows that the link
+        # works.
         if payload.cycle == self._cycle and now - self._made_at < HEARTBEAT:
             return
         self._cycle = payload.cycle
@@ -181,10 +184,10 @@ class StateChannel(Channel):
 
 
 class FullChannel(Channel):
-    """Every cycle, in batches; a frame's number is that of its last cycle.
+    """Every cycle, in batches; a frame has the number of its last cycle.
 
     Args:
-        request: Request that its clients have in common.
+        request: The request, which is the same for all its clients.
         right_of_way: Tells when to wait for the control thread.
         topic: Source of the samples.
     """
@@ -229,7 +232,7 @@ class FullChannel(Channel):
         self._batches.clear()
 
     def _batch(self, after: int) -> Frame | None:
-        # Clients that keep up ask for the same batch until the next tick.
+        # All clients that keep up get the same batch until the next tick.
         payload = self._samples.since(after, self._newest)
         if payload is None:
             return None
@@ -245,17 +248,17 @@ class FullChannel(Channel):
 
 
 class FramesLostError(Exception):
-    """A client is so far behind that frames it must not miss are gone."""
+    """A client is so late that frames which it must not miss no longer exist."""
 
 
 class EventChannel(Channel):
-    """Every event, one a frame; a frame's number is that of its event.
+    """Every event, one per frame; a frame has the number of its event.
 
     Args:
-        request: Request that its clients have in common.
+        request: The request, which is the same for all its clients.
         right_of_way: Tells when to wait for the control thread.
         topic: Source of the events.
-        rate: How often it looks for events [Hz].
+        rate: Rate at which it looks for new events [Hz].
     """
 
     def __init__(
@@ -292,7 +295,8 @@ class EventChannel(Channel):
         frame = self._frames.get(after + 1)
         if frame is not None:
             return frame
-        # An event must not be left out silently; the client reads what it missed.
+        # No event may be left out silently: the client must read the missed ones
+        # itself.
         if not self._topic.log.is_in_memory(after):
             raise FramesLostError
         found = self._topic.log.recent(after)
@@ -300,7 +304,7 @@ class EventChannel(Channel):
 
     @override
     async def tick(self) -> None:
-        # Clients that keep up ask for the frames of the events since the last tick.
+        # Clients that keep up need only the frames of events since the last tick.
         self._frames.clear()
         log, before = self._topic.log, self._newest
         if log.newest_id > before:
@@ -323,7 +327,7 @@ class EventChannel(Channel):
 def open_channel(
     request: StreamRequest, topic: Topic, right_of_way: RightOfWay
 ) -> Channel:
-    """Return the channel that a client asks for."""
+    """Return the channel that a request needs."""
     if isinstance(topic, EventsTopic):
         rate = request.rate or topic.default_rate
         return EventChannel(request, right_of_way, topic, rate)

@@ -1,8 +1,8 @@
-"""Streams of set-points: a client sends, the newest wins, silence lets it expire.
+"""Streams of set-points: the newest one counts, and expires when the client is silent.
 
-The set-points are treated like those of PUT `/controllers/{name}/command`, with its
-checks and limits. What comes faster than the event loop turns is not even parsed: of
-the messages that wait, the last one counts, and the others are reported as superseded.
+The set-points have the same checks and limits as those of PUT
+`/controllers/{name}/command`. Of the messages that come between two turns of the event
+loop, only the last one is parsed; the others are reported as superseded.
 """
 
 import asyncio
@@ -30,20 +30,20 @@ if TYPE_CHECKING:
 DEFAULT_TIMEOUT = 0.2
 """Default silence after which a set-point expires [s]."""
 LONGEST_TIMEOUT = 60.0
-"""Longest silence that a client may ask for [s]."""
+"""Longest timeout that a client may request [s]."""
 REPORT_PERIOD = 0.5
-"""Period of the reports of its counts to the sender [s]."""
+"""Period of the reports to the sender [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class CommandStreamRequest:
-    """Request of the sender of set-points.
+    """The request for a stream of set-points.
 
     Attributes:
         controller: The controller.
         timeout: Silence after which the last set-point expires [s], > 0.
-        format: How messages are written.
-        lease: The lease of control that it acts under; None without one.
+        format: Encoding of the messages.
+        lease: The lease of control under which the client sends; None without one.
     """
 
     controller: str
@@ -55,12 +55,12 @@ class CommandStreamRequest:
 def parse_command_request(
     controller: str, query: Mapping[str, str], lease: str | None
 ) -> CommandStreamRequest:
-    """Return the parsed request of a sender of set-points.
+    """Return the parsed request for a stream of set-points.
 
     Args:
         controller: The controller.
         query: The URL's query.
-        lease: The lease of control that it acts under; None without one.
+        lease: The lease of control under which the client sends; None without one.
 
     Raises:
         StreamRequestError: A parameter is wrong.
@@ -83,7 +83,7 @@ def parse_command_request(
 
 
 class CommandStream:
-    """Takes the set-points of one client. For one event loop.
+    """Accepts the set-points of one client. Use it in one event loop only.
 
     Args:
         station: The station.
@@ -112,7 +112,7 @@ class CommandStream:
         self._error: dict[str, object] | None = None
 
     def counts(self) -> dict[str, object]:
-        """Return the report to the sender: set-points received, and those accepted."""
+        """Return the report to the sender, with the counts of set-points."""
         self._settle()
         pending = int(self._waiting is not None) + int(self._newest is not None)
         superseded = self._received - self._applied - self._refused - pending
@@ -132,14 +132,14 @@ class CommandStream:
         websocket: WebSocket,
         closing: Callable[[], Coroutine[object, object, None]],
     ) -> tuple[int, str]:
-        """Take set-points until either side ends; return how to close.
+        """Accept set-points until either side ends; return close code and reason.
 
         Args:
             websocket: The accepted connection.
             closing: Returns when the station shuts down.
 
         Returns:
-            Close code and reason; code 0 when the client is gone already.
+            Close code and reason; code 0 if the client has already left.
         """
         changed, loop = asyncio.Event(), asyncio.get_running_loop()
         end_listening = self._control.listen(lambda: _set_from_anywhere(loop, changed))
@@ -192,7 +192,7 @@ class CommandStream:
             self._news.set()
 
     async def _apply_newest(self) -> None:
-        """Hand the newest message on, again and again.
+        """Apply the newest message, in every cycle.
 
         Raises:
             ControlHeldError: Another client holds control.
@@ -204,8 +204,8 @@ class CommandStream:
             if message is None:
                 continue
             self._settle()
-            # Before the message is parsed: control that is lost ends the stream,
-            # whatever it says.
+            # Check before the message is parsed: a loss of control ends the stream,
+            # whatever the message contains.
             self._control.check(self._access, self._request.lease)
             try:
                 self._apply(message)
@@ -214,15 +214,15 @@ class CommandStream:
             except (StationError, ValueError) as error:
                 self._refused += 1
                 self._error = _told(error)
-            # More than one set-point in a cycle is of no use.
+            # More than one set-point per cycle would have no effect.
             await asyncio.sleep(self._station.loop.period)
 
     def _apply(self, message: bytes | str) -> None:
-        """Check a set-point and hand it on.
+        """Check a set-point, and give it to the controller.
 
         Raises:
             ControlHeldError: Another client holds control.
-            ValueError: The message is malformed, or asks to be valid for too long.
+            ValueError: The message is malformed, or wants to be valid for too long.
         """
         motion, request = self._station.motion, self._request
         command = _read(message, request.format)
@@ -245,7 +245,7 @@ class CommandStream:
         self._waiting = receipt
 
     def _settle(self) -> None:
-        """Count the set-point handed on last, if a cycle has picked it up."""
+        """Count the last given set-point, if a cycle has taken it."""
         if self._waiting is not None and self._waiting.cycle is not None:
             self._applied += 1
             self._waiting = None
@@ -255,7 +255,7 @@ class CommandStream:
         while True:
             await asyncio.sleep(REPORT_PERIOD)
             found = self.counts()
-            # The cycle changes always, and alone is no news.
+            # A report in which only the cycle has changed is not sent.
             if {**found, "cycle": 0} != {**told, "cycle": 0}:
                 told = found
                 await _send(websocket, self._request.format, found)
@@ -267,7 +267,7 @@ class CommandStream:
 
 
 def _set_from_anywhere(loop: asyncio.AbstractEventLoop, event: asyncio.Event) -> None:
-    # A listener may be called once more while the server shuts down.
+    # A listener may still be called while the server shuts down.
     if not loop.is_closed():
         loop.call_soon_threadsafe(event.set)
 
@@ -285,8 +285,8 @@ def _read(message: bytes | str, form: wire.StreamFormat) -> wire.CommandRequest:
     """Return the set-point in a message.
 
     Raises:
-        ValueError: The message has no set-point; errors of pydantic and of both
-            decoders are ValueErrors.
+        ValueError: The message has no set-point. Errors of pydantic and of both
+            decoders are ValueErrors, too.
     """
     if form == "json":
         values = orjson.loads(message)
@@ -302,7 +302,7 @@ def _read(message: bytes | str, form: wire.StreamFormat) -> wire.CommandRequest:
 
 
 def _told(error: StationError | ValueError) -> dict[str, object]:
-    """Return an error in the form in which the sender gets it."""
+    """Return an error in the form of the report to the sender."""
     if isinstance(error, StationError):
         return {
             "code": error.code,

@@ -1,4 +1,4 @@
-"""Samples of every cycle, in batches: from the ring of snapshots, or from a tap."""
+"""Samples of every cycle in batches, from the ring of snapshots or from a tap."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
@@ -14,7 +14,8 @@ Data = dict[str, object]
 SampleT = TypeVar("SampleT")
 
 BATCH_LIMIT = 250
-"""Most cycles in one batch: encoding it must not hold the interpreter for long."""
+"""Most cycles in one batch, because encoding it must not hold the interpreter for long.
+"""
 
 
 class Payload(NamedTuple):
@@ -53,28 +54,28 @@ class CycleSamples(ABC):
         self._limit = limit
 
     def open(self) -> None:
-        """Begin to sample; a ring is always filled."""
+        """Begin to sample; the ring of snapshots needs no beginning."""
         return
 
     def close(self) -> None:
-        """End what `open` began."""
+        """End the sampling that `open` began."""
         return
 
     @abstractmethod
     def newest_cycle(self) -> int:
-        """Return the number of the last cycle; 0 before the first."""
+        """Return the number of the last cycle; 0 before the first one."""
 
     @abstractmethod
     def since(self, cycle: int, newest: int) -> Payload | None:
-        """Return the samples after `cycle` as one batch; None when there are none.
+        """Return the samples after `cycle` as one batch; None if there are none.
 
-        The batch says how many cycles were `lost`, because their samples were
-        overwritten before they were read, and how many deadlines the loop `skipped`,
-        so that there never was a cycle.
+        In the batch, `lost` is the number of cycles whose samples were overwritten
+        before they were read, and `skipped` the number of deadlines for which the loop
+        made no cycle.
 
         Args:
-            cycle: Last cycle the client has.
-            newest: Last cycle of the batch, at most.
+            cycle: Last cycle that the client has.
+            newest: Largest number of the batch's last cycle.
         """
 
     def _batch(
@@ -96,7 +97,7 @@ class RingSamples(CycleSamples):
 
     Args:
         station: The station.
-        sample: Returns the fields of a cycle; None when that cycle has none.
+        sample: Returns the fields of a cycle; None if the cycle has none.
         head: Returns the fields of a batch besides its samples.
     """
 
@@ -117,7 +118,7 @@ class RingSamples(CycleSamples):
     @override
     def since(self, cycle: int, newest: int) -> Payload | None:
         snapshots, lost = self._station.snapshots.read_since(cycle)
-        # Up to the cycle of this tick, so that clients that keep up share one batch.
+        # Stop at the cycle of this tick, so that clients that keep up share one batch.
         snapshots = snapshots[: min(self._limit, newest - cycle)]
         if not snapshots:
             return None
@@ -134,8 +135,8 @@ class TapSamples(CycleSamples, Generic[SampleT]):
 
     Args:
         station: The station.
-        take: Returns the kept values of a cycle; control thread.
-        show: Returns the fields of kept values.
+        take: Returns the values of a cycle to keep; called by the control thread.
+        show: Returns the fields of a sample from the kept values.
         head: Returns the fields of a batch besides its samples.
         limit: Most cycles in one batch.
     """
@@ -165,7 +166,7 @@ class TapSamples(CycleSamples, Generic[SampleT]):
         """Return the number of the last sampled cycle.
 
         Raises:
-            RuntimeError: A sample could not be taken.
+            RuntimeError: The control thread could not take a sample.
         """
         if self._tap.failure is not None:
             raise RuntimeError(f"A cycle cannot be sampled: {self._tap.failure}.")

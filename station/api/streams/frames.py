@@ -13,14 +13,13 @@ _msgpack = msgspec.msgpack.Encoder()
 
 
 class Frame(NamedTuple):
-    """A message that is ready to be sent.
+    """An encoded message.
 
     Attributes:
         seq: Its number in its stream.
         message: The message, JSON or msgpack.
-        wire: The message as it goes over every client's connection, in its WebSocket
-            frame. A server does not mask its frames, so that all clients get the same
-            bytes.
+        wire: The message in its WebSocket frame. A server does not mask frames, so all
+            clients get the same bytes.
     """
 
     seq: int
@@ -37,16 +36,16 @@ def encode(
     fields: frozenset[str] = frozenset(),
     boot_id: str = "",
 ) -> Frame:
-    """Write a frame.
+    """Encode a frame.
 
     Args:
         topic: Name of the topic, or `hello`.
         payload: Content; numbers that are not finite become null in JSON.
         seq: Its number in its stream.
         format: Encoding of the frame.
-        fields: Keys to send of the data, or of each sample of a batch; all when
-            empty. A batch keeps its own keys.
-        boot_id: The station's; left out when empty.
+        fields: Keys to send of the data, or of each sample in a batch; empty sends all.
+            A batch keeps its other keys.
+        boot_id: Identifier of the station's run; left out if empty.
     """
     message: Data = {
         "topic": topic,

@@ -1,4 +1,4 @@
-"""Requests of streams: topic, rate, fields, format."""
+"""Requests for streams: topic, rate, fields, format."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -32,13 +32,13 @@ class StreamRequestError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class StreamRequest:
-    """Request of a stream. Clients with equal requests get the same frames.
+    """A request for a stream. Clients with equal requests get the same frames.
 
     Attributes:
         topic: Name of the topic.
         rate: Frames per second [Hz]; None for every cycle.
-        fields: Only these keys of the payload; all when empty.
-        format: How frames are encoded.
+        fields: Keys of the payload to send; empty sends all.
+        format: Encoding of the frames.
     """
 
     topic: str
@@ -62,7 +62,7 @@ def parse_request(
         log: The station's event log; without one there is no topic `events`.
 
     Raises:
-        StreamRequestError: There is no such topic, or a parameter is wrong.
+        StreamRequestError: The topic is unknown, or a parameter is wrong.
     """
     topic = find_topic(station, name, log)
     if topic is None:
@@ -88,7 +88,7 @@ def _rate(topic: Topic, query: Mapping[str, str]) -> float | None:
     if text is None:
         return topic.default_rate
     if text == FULL and not topic.sample_fields:
-        return topic.default_rate  # every frame of it comes at any rate
+        return topic.default_rate  # every event is sent, whatever the rate
     if text == FULL:
         return None
     try:
@@ -115,7 +115,7 @@ def read_format(query: Mapping[str, str]) -> StreamFormat:
     """Return the format of the messages.
 
     Raises:
-        StreamRequestError: There is no such format.
+        StreamRequestError: The format is unknown.
     """
     chosen = _FORMATS.get(query.get("format", "json"))
     if chosen is None:

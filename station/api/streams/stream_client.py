@@ -1,4 +1,4 @@
-"""One client of a channel: gets each frame as soon as its connection takes it."""
+"""A client of a channel, which gets each frame as soon as its connection is ready."""
 
 import asyncio
 from collections.abc import Callable
@@ -9,31 +9,31 @@ from station.api.streams.frames import Frame
 
 
 class StreamPort(Protocol):
-    """The connection of a client, without a task or a queue between."""
+    """The connection of a client, written to without a task or queue in between."""
 
     def write_frame(self, wire: bytes) -> None:
-        """Hand a whole WebSocket frame to the connection."""
+        """Write a whole WebSocket frame to the connection."""
 
     def is_writable(self) -> bool:
-        """Return whether the connection takes more bytes."""
+        """Return whether the connection accepts more bytes."""
 
     def listen(self, resumed: Callable[[], None] | None) -> None:
-        """Call `resumed` whenever the connection takes more again."""
+        """Call `resumed` whenever the connection accepts bytes again; None ends it."""
 
     def abort(self, code: int, reason: str) -> None:
-        """Close with a code, even if the client reads nothing."""
+        """Close with a code, even if the client does not read."""
 
 
 class StreamClient:
-    """Hands the frames of a channel to a connection. For one event loop.
+    """Writes the frames of a channel to a connection. Use it in one event loop only.
 
-    A client whose connection takes nothing misses frames, or with every cycle asked
-    for, gets larger batches later.
+    A client whose connection is full misses frames; if it wants every cycle, it gets
+    larger batches later.
 
     Args:
         port: The client's connection.
         channel: Source of the frames.
-        slow_after: How long the connection may take nothing [s].
+        slow_after: Longest time for which the connection may be full [s].
     """
 
     def __init__(self, port: StreamPort, channel: Channel, slow_after: float) -> None:
@@ -46,15 +46,15 @@ class StreamClient:
         self._end: asyncio.Future[None] = self._loop.create_future()
 
     async def serve(self, hello: Frame) -> None:
-        """Send `hello`, then frames; return when the client takes none for too long.
+        """Send `hello`, then frames; return if the client reads none for too long.
 
-        The channel must have announced its ticks to the client, so that it samples.
+        The client must have joined the channel before, so that the channel samples.
 
         Args:
-            hello: The first frame; its number is the one after which frames follow.
+            hello: The first frame; further frames come after its number.
 
         Raises:
-            RuntimeError: The channel broke down; its cause says why.
+            RuntimeError: The channel has failed; the cause has the reason.
         """
         self._port.listen(self._resumed)
         try:
@@ -66,7 +66,7 @@ class StreamClient:
             self._unblock()
 
     def ticked(self) -> None:
-        """Write the next frame, if there is one and the connection takes it."""
+        """Write the next frame, if there is one and the connection is ready."""
         if self._seq is None or self._blocked is not None or self._end.done():
             return
         try:
@@ -78,7 +78,8 @@ class StreamClient:
             return
         self._write(frame)
         if self._blocked is None and frame.seq < self._channel.newest:
-            # Batches that were missed; other clients get their turn in between.
+            # Go on with missed batches later, so that other clients get their turn in
+            # between.
             self._loop.call_soon(self.ticked)
 
     def failed(self, error: BaseException) -> None:

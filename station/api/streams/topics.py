@@ -32,18 +32,18 @@ from station.wire import FrankaState, Scene
 CONTROLLER_STATE = "controller_state/"
 ROBOT_STATE = "robot_state"
 _ARM_BATCH = 25
-"""Most cycles of an arm's whole state in one batch; each is 6 KB of JSON."""
+"""Most cycles of an arm's whole state in one batch; each has 6 KB of JSON."""
 
 
 class Topic(ABC):
-    """Topic that can be streamed. Used from the event loop only.
+    """A topic that can be streamed. Use it in the event loop only.
 
     Attributes:
         name: Name in the URL.
         fields: Keys of the payload.
-        sample_fields: Keys of a cycle's sample with `rate=full`, besides `cycle`; and
-            `name`, which is said once in a batch.
-        default_rate: Frames per second when the client does not say [Hz].
+        sample_fields: Keys of a cycle's sample with `rate=full`, besides `cycle`. A
+            batch has `name` only once.
+        default_rate: Frames per second if the request has no rate [Hz].
     """
 
     name: str
@@ -53,7 +53,7 @@ class Topic(ABC):
 
     @abstractmethod
     async def latest(self) -> Payload | None:
-        """Return the newest payload; None when there is none at the moment."""
+        """Return the newest payload; None if there is none at the moment."""
 
     @abstractmethod
     def every_cycle(self) -> CycleSamples:
@@ -61,7 +61,7 @@ class Topic(ABC):
 
 
 class CycleTopic(Topic):
-    """A topic that every cycle leaves a sample of in the ring of snapshots.
+    """A topic whose samples are in the ring of snapshots.
 
     Args:
         station: The station.
@@ -72,7 +72,7 @@ class CycleTopic(Topic):
 
     @abstractmethod
     def sample(self, snapshot: Snapshot) -> Data | None:
-        """Return the fields that change; None when that cycle has none."""
+        """Return the fields that change with the cycle; None if the cycle has none."""
 
     @abstractmethod
     def names(self) -> list[str]:
@@ -119,11 +119,11 @@ class JointStatesTopic(CycleTopic):
 
 
 class ControllerStateTopic(CycleTopic):
-    """Quantities of one controller: desired, actual, error, output.
+    """The values of one controller: desired, actual, error and output.
 
     Args:
         station: The station.
-        controller: Its name; it must be loaded.
+        controller: Name of the controller, which must be loaded.
 
     Raises:
         ControllerNotFoundError: The controller is not loaded.
@@ -146,7 +146,7 @@ class ControllerStateTopic(CycleTopic):
         try:
             self._names = self._loaded_names()
         except ControllerNotFoundError:
-            return self._names  # unloaded since; these are the last samples
+            return self._names  # unloaded meanwhile; these are the last samples
         return self._names
 
     @override
@@ -156,7 +156,7 @@ class ControllerStateTopic(CycleTopic):
 
 
 class ReportTopic(Topic):
-    """A topic that is asked of the station in a worker thread.
+    """A topic whose payload is read from the station in a worker thread.
 
     Args:
         station: The station.
@@ -167,14 +167,14 @@ class ReportTopic(Topic):
 
     @abstractmethod
     def report(self) -> Data:
-        """Return the payload's fields; may block."""
+        """Return the payload's fields; this may block."""
 
     @override
     async def latest(self) -> Payload | None:
         try:
             data = await anyio.to_thread.run_sync(self.report)
         except StationError:
-            return None  # the loop is down; routes and `loop` say why
+            return None  # the loop does not run; the topic `loop` has the reason
         loop = self._station.loop
         return Payload(loop.cycle, self._station.epoch, loop.time, data)
 
@@ -187,7 +187,7 @@ class RobotStateTopic(ReportTopic):
         arm_id: The arm.
 
     Raises:
-        ArmNotFoundError: There is no such arm.
+        ArmNotFoundError: The arm is unknown.
     """
 
     fields = ("arm_id", *FrankaState.model_fields)
@@ -197,7 +197,7 @@ class RobotStateTopic(ReportTopic):
     def __init__(self, station: Station, arm_id: str) -> None:
         super().__init__(station)
         self._arms = Arms(station.robots)
-        self._arms.report(arm_id)  # Refuses an unknown arm.
+        self._arms.report(arm_id)  # refuses an unknown arm
         self._arm_id = arm_id
         self.name = f"{ROBOT_STATE}/{arm_id}"
 
@@ -293,14 +293,14 @@ class SceneTopic(ReportTopic):
 
 
 class EventsTopic(Topic):
-    """Events: each is a frame of its own, and none is left out.
+    """Events, one per frame, of which none is left out.
 
     Args:
         station: The station.
         log: Its event log.
 
     Attributes:
-        log: The same.
+        log: As given.
     """
 
     name = "events"
@@ -324,7 +324,7 @@ class EventsTopic(Topic):
 
     @override
     def every_cycle(self) -> CycleSamples:
-        """Refuse: events do not come once in a cycle; requests say so before.
+        """Raise an error: events do not belong to cycles; requests refuse this before.
 
         Raises:
             LookupError: Always.
@@ -374,7 +374,7 @@ def find_topic(
 ) -> Topic | None:
     """Return the topic of that name, or None.
 
-    `robot_state` alone is that of the only arm.
+    The name `robot_state` without an arm is the topic of the only arm.
 
     Args:
         station: The station.
@@ -396,14 +396,14 @@ def find_topic(
         if family == ROBOT_STATE:
             return RobotStateTopic(station, member)
     except (ControllerNotFoundError, ArmNotFoundError):
-        # Whoever asked names all topics there are in his refusal, arms and controllers
-        # alike, which says more than that this one is missing.
+        # The caller's refusal lists all topics, including those of arms and
+        # controllers, which helps more than an error about this one.
         return None
     return None
 
 
 def topic_names(station: Station) -> list[str]:
-    """Return the names of all topics there are now."""
+    """Return the names of all present topics."""
     fixed = [*(kind.name for kind in _FIXED), EventsTopic.name]
     arms = [f"{ROBOT_STATE}/{arm_id}" for arm_id in Arms(station.robots).names()]
     loaded = [CONTROLLER_STATE + status.name for status in station.controllers()]
