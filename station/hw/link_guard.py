@@ -32,7 +32,7 @@ class LinkGuard(SceneGuard):
         self.arm_id, self.base = arm_id, base
 
     def positions(self) -> Mapping[str, float]:
-        """Return the positions of the joints [rad or m] by name, in their order."""
+        """Return joint positions [rad or m] by name, in the guard's order of joints."""
         raise NotImplementedError
 
     def watch(self, *, is_active: bool) -> None:
@@ -43,7 +43,7 @@ class LinkGuard(SceneGuard):
         """Return the links of this robot to which a name in `links` refers.
 
         Args:
-            name: The name.
+            name: Name of a link, or a name that stands for several links.
             carried: Names of the objects that the robot carries.
         """
         del carried

@@ -1,11 +1,11 @@
 """The mount of a robot's root link in the world: fixed, floating or planar.
 
-A planar base stands upright and moves on the floor as its wheels roll: it follows the
-velocities of the wheels without slipping,
+A planar base stands upright and moves on the floor as its wheels roll without slipping:
+with the velocity v along its x axis and the yaw rate w,
 
     v = (v_left + v_right) / 2,    w = (v_right - v_left) / separation,
 
-in the direction of its x axis and about its z axis.
+where v_left and v_right are the mean rolling speeds of the wheels on either side.
 """
 
 from collections.abc import Sequence
@@ -129,7 +129,7 @@ class RollingBase(Preparation):
 
     @override
     def prepare_step(self) -> None:
-        """Write the base's velocity."""
+        """Command the servos of the base to follow the wheels."""
         qvel = self._qvel
         left, right = (
             sum(float(qvel[dof]) * rate for dof, rate in side) for side in self._sides

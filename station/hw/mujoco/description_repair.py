@@ -1,6 +1,6 @@
 """Change the description of a robot where simulation needs it, and report each change.
 
-With `strict` the description is not changed, and refused if it cannot be simulated.
+With `strict` a description that needs a correction is refused instead.
 """
 
 import logging
@@ -58,14 +58,15 @@ def repair_robot(
 
     Args:
         files: The robot's files.
-        strict: Whether to refuse any change.
+        strict: Whether to refuse a description that needs a correction.
         zero_range: Treatment of a joint whose range is 0 to 0.
         base: How the root link is held.
         find_effort: Returns an effort limit that replaces the one in the URDF for a
-        joint, >= 0 [Nm or N]; None to keep the URDF's.
+            joint, >= 0 [Nm or N]; None to keep the URDF's.
 
     Raises:
-        RobotDescriptionError: The robot cannot be simulated; no repair is known.
+        RobotDescriptionError: The robot cannot be simulated and no repair is known, or
+            `strict` refuses a repair.
     """
     xml, repairs = repair_urdf(files.xml, zero_range, base)
     if strict:
@@ -108,7 +109,7 @@ def _refuse_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
 
 
 def _with_efforts(urdf: Urdf, find_effort: Callable[[str], float | None]) -> Urdf:
-    """Return the robot with other effort limits of some joints."""
+    """Return the robot with the effort limits that `find_effort` replaces."""
     joints = dict(urdf.joints)
     for name, joint in urdf.joints.items():
         effort = find_effort(name)
@@ -119,7 +120,7 @@ def _with_efforts(urdf: Urdf, find_effort: Callable[[str], float | None]) -> Urd
 
 
 def log_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
-    """Write one line per repair; not for the control thread.
+    """Log one line per repair; not for the control thread.
 
     Args:
         files: The robot's files.

@@ -1,4 +1,4 @@
-"""Mechanical stops for joints that are too fast for those of the simulation.
+"""Mechanical stops for joints that are too fast for MuJoCo's own stops.
 
 MuJoCo notices only after a step that a joint has passed the end of its range in it, and
 then takes about two steps to stop the joint: at 20 rad/s the joint is 1.1 degrees
@@ -110,7 +110,7 @@ def _accelerations(model: mujoco.MjModel, names: Sequence[str]) -> NDArray[np.fl
 
 
 def add_hard_stops(world: "World", limits: Mapping[str, float]) -> None:
-    """Stop the joints of a world for which MuJoCo's own stops are too slow.
+    """Add stops for the joints of a world for which MuJoCo's own stops are too slow.
 
     Args:
         world: The world.

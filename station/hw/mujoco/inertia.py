@@ -37,7 +37,7 @@ def carried_inertials(urdf: Urdf, link: Link) -> dict[str, tuple[Pose, Inertial]
         link: A link of the robot.
 
     Returns:
-        By name of the link: its frame in that of `link`, and its inertia.
+        By name of each link: its frame in the frame of `link`, and its inertia.
     """
     own = link.inertial
     above = urdf.joint_above(link.name)
@@ -109,7 +109,7 @@ _LEAST = 1e-15
 
 
 def repair_inertias(urdf: Urdf) -> tuple[Urdf, tuple[Repair, ...]]:
-    """Return the robot with links that can move, and the changes.
+    """Return the robot with a valid inertia for every moving link, and the repairs.
 
     Args:
         urdf: The robot; it is returned itself if there is nothing to repair.

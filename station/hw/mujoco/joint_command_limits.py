@@ -38,7 +38,7 @@ _Handles = Mapping[str, JointHandle]
 
 
 class JointCommandLimits:
-    """Limit the commands of the kinds that are in use.
+    """Limits the commands of joints; only commands that controllers use are limited.
 
     Limits come from the URDF; `joint_limits` in the parameters override them. A
     velocity limit of 0 in the URDF means that the joint has no velocity limit.
@@ -47,8 +47,9 @@ class JointCommandLimits:
         joints: The joints of the URDF.
         params: The namespace that has `joint_limits`.
         mode: Kind of the handles that enforce the limits.
-        tags: Command interfaces of `<ros2_control>` by joint. The narrower limit
-            applies, and no limit that such an interface switches off.
+        tags: Command interfaces of `<ros2_control>` by joint. Of a tag's limits and
+            those of the URDF the narrower ones apply; a limit that the tag switches off
+            does not apply.
 
     Attributes:
         reports: The limits of every added joint with their sources.
@@ -94,7 +95,7 @@ class JointCommandLimits:
         """
         report = self._read(self._joints[joint])
         self.reports.append(report)
-        # The handles take these two.
+        # The handles need both of these limits.
         limits, soft = report.limits, report.soft_limits
         limits = replace(
             limits,
@@ -184,7 +185,7 @@ def _source_in_urdf(kind: str, *, is_tag: bool) -> str:
 
 
 def _narrowed(limits: JointLimits, tag: InterfaceTag) -> JointLimits:
-    """Return limits that a command interface of `<ros2_control>` narrows.
+    """Return the limits, narrowed by a command interface of `<ros2_control>`.
 
     Source:
         ros2_control@6.x hardware_interface/src/component_parser.cpp,

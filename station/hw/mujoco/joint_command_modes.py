@@ -80,7 +80,7 @@ class JointCommandModes:
         self._update()
 
     def efforts_of(self, start: Sequence[ControllerInfo]) -> list[str]:
-        """Return the joints of this robot that controllers command by efforts."""
+        """Return the joints that these controllers would command by efforts."""
         return [
             name
             for info in start

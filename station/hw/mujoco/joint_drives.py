@@ -56,7 +56,7 @@ class DriveMode(IntEnum):
     EFFORT = 2
 
 
-# As C numbers, by the .pxd.
+# The .pxd declares these as C doubles.
 _VELOCITY = float(DriveMode.VELOCITY)
 _EFFORT = float(DriveMode.EFFORT)
 _VELOCITY_GAIN = VELOCITY_GAIN

@@ -81,7 +81,8 @@ def _check_obj(path: Path) -> None:
     """Refuse a truncated OBJ file, which MuJoCo does not notice or does not name.
 
     Raises:
-        RobotDescriptionError: The mesh has no triangles, or lacks corners of one.
+        RobotDescriptionError: The mesh has no triangles, or a triangle refers to a
+            corner that is missing.
     """
     corners = faces = highest = 0
     with path.open("rb") as file:
@@ -155,8 +156,9 @@ _MOST_YIELD = 0.005
 _STIFF_IMPEDANCE = 0.9995
 _LEAST_INERTIA = 1e-3
 # Stiffness of friction relative to that of the contact. MuJoCo's friction is soft: a
-# held object creeps in proportion to its load. 0.5 kg between fingers of 20 N creeps
-# 3 mm in 10 s with MuJoCo's pyramids and 1, and 0.015 mm with cones and 100.
+# held object creeps in proportion to its load. 0.5 kg between fingers that press with
+# 20 N creeps by 3 mm in 10 s with MuJoCo's pyramids and a ratio of 1, and by 0.015 mm
+# with cones and a ratio of 100.
 _FRICTION_STIFFNESS = 100.0
 
 

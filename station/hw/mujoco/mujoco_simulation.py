@@ -58,12 +58,12 @@ def rigid_neighbours(urdf: Urdf) -> list[Pair]:
 
 
 def touching_pairs(model: mujoco.MjModel, data: mujoco.MjData) -> list[Pair]:
-    """Return the names of the bodies of the robot that touch now, in pairs."""
+    """Return the pairs of bodies that touch now, by name, without the world."""
     found: set[Pair] = set()
     for number in range(int(data.ncon)):
         contact = data.contact[number]
         bodies = [int(model.geom_bodyid[geom]) for geom in contact.geom]
-        # An object is not part of the robot: its body has a joint of its own name.
+        # Body 0 is the world, with the floor.
         if 0 not in bodies:
             first, second = (model.body(body).name for body in bodies)
             found.add(_sorted(first, second))

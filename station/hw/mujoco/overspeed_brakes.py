@@ -159,7 +159,7 @@ class OverspeedBrakes:
         self.braked_steps += 1
 
     def _bounds_with_stops(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the least and the largest velocity of each degree of freedom."""
+        """Return the lowest and highest allowed velocity of each degree of freedom."""
         low, high = -self._bounds, self._bounds.copy()
         stopped, timestep = self._stopped, self._model.opt.timestep
         before = self._data.qpos[self._position_of_dof[stopped]]

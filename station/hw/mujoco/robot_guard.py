@@ -151,7 +151,7 @@ class RobotGuard(LinkGuard):
             )
 
     def limit(self, period: float) -> None:
-        """Slow the commands that would lead too near; control thread.
+        """Slow commands that would bring the robot too near its scene; control thread.
 
         Args:
             period: Time since the last cycle [s], > 0.
@@ -280,11 +280,12 @@ class RobotGuard(LinkGuard):
     def _tree(
         self, data: mujoco.MjData
     ) -> tuple[dict[int, tuple[int, _Matrix]], list[list[float]], list[float]]:
-        """Return the robot's moving links, with all joints at 0.
+        """Describe the robot's moving links, with all joints at 0.
 
         Returns:
             For each body the index of the moving link that it is fixed to, and the pose
-            of that link; the rows of `place_tree`; the ends of the joints' ranges.
+            of that link; the rows of `place_tree`; the largest absolute position in the
+            range of each joint, 1 without a range.
         """
         model, rows, longest = self._model, list[list[float]](), list[float]()
         frames: dict[int, tuple[int, _Matrix]] = {0: (-1, np.eye(4))}
@@ -388,7 +389,7 @@ def _turned_to(axis: _Matrix) -> _Matrix:
 
 
 def _points(model: mujoco.MjModel, geom: int) -> tuple[_Matrix, float]:
-    """Return points whose hull a geometry fills, and its reach beyond them [m]."""
+    """Return points, and a distance [m] from them, that together enclose a geometry."""
     kinds, size = mujoco.mjtGeom, model.geom_size[geom]
     match kinds(int(model.geom_type[geom])):
         case kinds.mjGEOM_SPHERE:

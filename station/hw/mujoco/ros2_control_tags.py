@@ -207,7 +207,7 @@ class _TagReader:
         self.positions[tag.name] = position
 
     def _settle_mimic(self, tag: ComponentTag) -> None:
-        """Remove a mimic rule that is switched off; add a rule in the older form."""
+        """Remove a mimic rule that is switched off; add a rule given by parameters."""
         joint = self._joints[tag.name]
         rule = joint.find("mimic")
         if rule is not None and tag.is_mimic is False:

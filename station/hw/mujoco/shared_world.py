@@ -164,7 +164,7 @@ class SharedWorld(SimulatedWorld):
 def _pairs(
     model: mujoco.MjModel, things: set[str], left_out: set[tuple[str, str]]
 ) -> NDArray[np.int64]:
-    """Return pairs of a geometry of a robot's link and another one, shape (k, 2).
+    """Return pairs of a robot's geometry and another body's geometry, shape (k, 2).
 
     Args:
         model: The world's model.
@@ -184,7 +184,7 @@ def _pairs(
         for one in links
         for other in solid
         if model.body_rootid[body[one]] != model.body_rootid[body[other]]
-        # Below a robot's first link there is always the floor.
+        # A robot's first moving link is always near the floor: the pair is left out.
         and (body[other] or model.body_weldid[model.body_parentid[body[one]]])
         and not (other in links and other < one)
         and (

@@ -91,7 +91,7 @@ class World:
 
     @property
     def step_count(self) -> int:
-        """Number of steps made since the world exists; a reset does not change it."""
+        """Number of steps made so far; a reset does not change it."""
         return self.stepping.count
 
     def add_actor(self, actor: WorldActor, preparation: Preparation) -> None:

@@ -62,7 +62,7 @@ class WorldStep:
         speeds: Checks that the velocities after a step are within their limits.
         brake: Called if a velocity may exceed its limit, and once more after brakes
             have acted.
-        count_pushes: Called after a step to count down the duration of pushes.
+        count_pushes: Called before a step while a push acts, to count the push down.
 
     Attributes:
         count: Number of steps since the world exists.
