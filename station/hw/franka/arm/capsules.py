@@ -35,7 +35,7 @@ class LinkDistances:
         It is negative if the capsules overlap.
 
         Args:
-            links: Poses of the links, 16 numbers each.
+            links: Poses of the links, 16 numbers each [-, m].
         """
         segments, capsules, pairs = self.segments, self.capsules, self.pairs
         place_segments(capsules, self.owners, links, segments)

@@ -94,7 +94,8 @@ def collision_error(signal: int, value: float, bound: float) -> ArmError:
     """Return the error of an estimate that is above its threshold.
 
     Args:
-        signal: Number of the estimate: the 7 torques, then the wrench's 6 components.
+        signal: Index of the estimate, 0 to 12: the 7 torques, then the wrench's 6
+            components.
         value: The estimate [Nm, N].
         bound: Threshold of the estimate, in the same unit.
     """

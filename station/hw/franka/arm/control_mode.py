@@ -96,7 +96,7 @@ def claims_of(controllers: Iterable[ControllerInfo]) -> list[Claim]:
 
 
 def control_mode_of(controllers: Iterable[ControllerInfo], arm_id: str) -> ControlMode:
-    """Return the mode that some controllers together need of an arm.
+    """Return the mode that some controllers together need from an arm.
 
     A kind of command is part of it if all seven joints, or the Cartesian resource, are
     claimed.

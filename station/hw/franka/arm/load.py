@@ -25,7 +25,7 @@ class Load:
 
 
 def combine_loads(first: Load, second: Load) -> Load:
-    """Return two bodies at the flange as one; without mass, an inertia is ignored."""
+    """Return two bodies at the flange as one; a body without mass adds no inertia."""
     mass = first.mass + second.mass
     if mass == 0.0:
         return Load()

@@ -16,7 +16,7 @@ class Receiver:
     """
 
     def receive(self, values: Storage, kind: int) -> bool:
-        """Take a command, or return False.
+        """Take a command if possible; return whether it was taken.
 
         Args:
             values: Torques [Nm], positions [rad] or velocities [rad/s] of the joints,

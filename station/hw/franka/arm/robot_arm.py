@@ -242,7 +242,7 @@ class RobotArm(ABC):
         """
 
     def pose_source(self, model: FrankaModel) -> ModelSource | None:  # noqa: ARG002
-        """Return a source of `O_T_EE` only, without a refresh; None if there is none.
+        """Return a source of `O_T_EE` that needs no refresh; None if there is none.
 
         Args:
             model: A model of this arm, whose results are reused if possible.

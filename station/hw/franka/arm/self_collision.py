@@ -84,7 +84,7 @@ LINKS_OF_PAIR = {
 
 
 def link_distances(*, has_hand: bool) -> LinkDistances:
-    """Return an object that measures the distance of the closest two links.
+    """Return an object that measures the distance of the two closest links.
 
     Args:
         has_hand: Whether a hand is mounted.

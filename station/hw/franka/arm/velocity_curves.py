@@ -31,7 +31,7 @@ def velocity_towards_end(highest: float, a: float, b: float, room: float) -> flo
 
 
 class VelocityCurves:
-    """The limits of n joints at their positions.
+    """Velocity limits of n joints, which depend on their positions.
 
     Args:
         highest: The limits in the middle of the ranges [rad/s], shape (n,).

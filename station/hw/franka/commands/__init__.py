@@ -1,1 +1,1 @@
-"""From the handles of FrankaHW to the commands of the arm."""
+"""Pass the commands of FrankaHW's handles on to the arm."""

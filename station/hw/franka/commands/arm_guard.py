@@ -1,4 +1,4 @@
-"""The guard of a Franka arm: the capsules of its links, its limits, its scene."""
+"""Guard that keeps a Franka arm clear of its scene, and the capsules of its links."""
 
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite

@@ -222,7 +222,7 @@ class ArmServices(FrankaServices):
         """Refuse an impedance that no motion would use.
 
         Args:
-            needed: The internal controller that would use it.
+            needed: The internal controller that uses the impedance.
 
         Raises:
             ArmCommandError: Another internal controller is configured.

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 # Length below which a vector has no direction.
 _TINY = 1e-15
-# As C numbers, by the .pxd.
+# The .pxd declares these as C numbers.
 _SLOWED = SLOWED
 _CARTESIAN = CARTESIAN
 _POSE = 16
@@ -214,7 +214,7 @@ class PoseRates:
             sent[0] = last[0] + velocity * self.period
 
     def approach(self, twist: Doubles) -> None:
-        """Send the pose to which a twist leads within the limits.
+        """Compute the pose to send: one cycle along a twist, within the limits.
 
         Args:
             twist: The twist [m/s, rad/s], shape (6,).
@@ -224,7 +224,7 @@ class PoseRates:
         displace(self.pose, self.way, self.period, self.sent_pose)
 
     def slow(self, twist: Doubles) -> None:
-        """Send a twist within the limits.
+        """Compute the twist to send: a twist within the limits.
 
         Args:
             twist: The twist [m/s, rad/s], shape (6,).

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from station.hw.franka.commands.joint_commands import JointCommands
     from station.memory.vectors import FiniteCheck
 
-# As C numbers, by the .pxd.
+# The .pxd declares these as C numbers.
 _MOVE = codes.MOVE
 _TORQUES = codes.NO_MOTION
 _POSITIONS = codes.POSITIONS
@@ -51,7 +51,7 @@ class CommandSender:
 
     Args:
         arm: The arm.
-        mode: The arm's mode, one number.
+        mode: Number of the arm's mode, shape (1,).
         mode_names: Name of each mode, by its number.
         joints: Joint commands and their limits.
         cartesian: Cartesian commands.

@@ -33,7 +33,8 @@ HOMING_SPEED = 0.02
 # a rounding error of 1e-13 m, and pressed fingers reach 0. Otherwise this width could
 # lie within an epsilon that begins at 0, although no object was grasped.
 _CLOSED = 1e-6
-# Share of the commanded speed: a slow motion may be below `REST_SPEED` all the time.
+# Share of the commanded speed below which fingers are at rest, if it is less than
+# `REST_SPEED`: a slow motion may be below `REST_SPEED` all the time.
 _SLOWEST_PART = 0.25
 _RESTING = (GripperActivity.IDLE, GripperActivity.HOLDING)
 
@@ -265,7 +266,7 @@ class HandMotor(GripperMotor, Protocol):
     def sensor(
         self, positions: Doubles, velocities: Doubles, efforts: Doubles
     ) -> FingerSensor:
-        """Return a reader of each finger's position, velocity and force."""
+        """Return an object that reads each finger's position, velocity and force."""
 
 
 class HandServices(GripperServices):

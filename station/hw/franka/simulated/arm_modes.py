@@ -207,7 +207,7 @@ class ArmModes(ArmSimulation):
         return self._supervisor.singular_start()
 
     def expect_command(self) -> None:
-        """Wait for the first command of the running motion, if one runs."""
+        """Wait for the first command of the motion, if one runs."""
         self._step.begin_motion(_CODES[self.generator])
 
     def is_at_rest(self) -> bool:

@@ -43,12 +43,12 @@ CONTACT = 1
 """Result of `read_joints`: a contact or a mechanical stop acts on a joint."""
 VIOLATION = 2
 """Result of `read_joints`: a reading violates a limit."""
-# Number of cycles over which the success rate is the share with a command.
+# Number of cycles over which the success rate of commands is computed.
 # Source: libfranka@0.9.2 robot_state.h, control_command_success_rate.
 _WINDOW = 100
 # Joint damping while a person guides the arm [Nm s/rad].
 _GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
-# As C numbers, by the .pxd.
+# The .pxd declares these as C numbers.
 _IDLE = codes.IDLE
 _MOVE = codes.MOVE
 _GUIDING = codes.GUIDING
@@ -74,7 +74,7 @@ class CycleLog:
     """Keeps time, state and command of the last cycles. No allocation.
 
     Args:
-        states: State of the joints: quantities that lie side by side, shape (k n,).
+        states: State of the joints: k quantities side by side, shape (k n,).
         size: Number n of joints.
 
     Attributes:
@@ -601,7 +601,7 @@ class StepReceiver(Receiver):
         self.step = step
 
     def receive(self, values: Storage, kind: int) -> bool:
-        """Return whether a command was taken."""
+        """Take a command if possible; return whether it was taken."""
         step = self.step
         if kind == _NO_MOTION:
             return step.wants_torques and step.receive(

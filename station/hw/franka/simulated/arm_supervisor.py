@@ -144,7 +144,7 @@ class ArmSupervisor:
             state.current_errors[ERROR_INDEX[error.name]] = True
 
     def begin_motion(self) -> None:
-        """Forget the errors that ended the motion before."""
+        """Forget the errors that ended the last motion."""
         self.clear()
         self.end_motion()
 

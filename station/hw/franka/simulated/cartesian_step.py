@@ -205,7 +205,7 @@ class InverseKinematics:
         step[2] = bend
 
     def solve(self, damping: float) -> None:
-        """Write the least motion of the joints that corrects the error."""
+        """Write the smallest motion of the joints that corrects the error."""
         if self.equation.factorise(self.jacobian, damping):
             self.equation.solve(self.error, self.wrench)
             torques_of(self.jacobian, self.wrench, self.step)

@@ -240,8 +240,8 @@ class ContactEstimate:
 
 
 _NUMBERS = 16381
-"""Count of random numbers. They are drawn in pairs, 14 in a cycle, and the count is
-prime, so a joint gets the same numbers again after 16 s at the earliest."""
+"""Count of random numbers. A cycle draws 14 of them in pairs, so that each joint gets
+the same numbers again after 1170 cycles."""
 _RELEASE_TIME = 0.1
 """Time for which all signals must be released until the contact in which the arm
 recovered has ended [s]. Without it, near a singular pose, the noise of some newtons

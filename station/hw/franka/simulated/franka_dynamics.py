@@ -143,7 +143,7 @@ class FrankaDynamics:
         ]
 
     def is_new(self, what: int, arguments: bytes = b"") -> bool:
-        """Return whether a quantity must be computed anew; note that it is computed.
+        """Return whether a quantity must be computed anew, and note it as computed.
 
         So two controllers that ask the same in a cycle cost only one computation.
 

@@ -95,10 +95,10 @@ class FrictionAndObserver(Preparation):
         has_wrench: Whether the Jacobian is far enough from singular.
         weak: Number of directions in which small torques make a large wrench, 0 to 6.
         directions: These directions, unit wrenches one after another, shape (36,).
-        shares: Part of the wrench in each direction, per torque of each joint, shape (6
-            n,).
-        doubt: Largest part in each direction that errors of the torques explain, shape
-            (6,).
+        shares: Part of the wrench in each direction per torque of each joint,
+            shape (6 n,).
+        doubt: Largest part in each direction that errors of the torques explain,
+            shape (6,).
         lasting_gain: Share by which `lasting` follows the estimate in a cycle, 0 to 1.
         cycles_to_loss: Number of cycles until a command is lost; 0 for never.
     """
@@ -298,7 +298,7 @@ class FrictionAndObserver(Preparation):
         self.drawn = drawn
 
     def settle_elasticity(self) -> None:
-        """Turn the motors against the links as the torques between them require."""
+        """Set the positions of the motors: those of the links plus the joints' bend."""
         memory, theta, compliance = self.memory, self.theta, self.compliance
         positions, tau = memory.positions, memory.tau_J
         for i in range(self.size):

@@ -206,7 +206,7 @@ class JointWatch:
             self.violations.add(END_EFFECTOR_SPEED, 0, speed, bound)
 
     def check_deviation(self) -> None:
-        """Compare the placed end effector with the desired motion."""
+        """Compare the end effector, placed by `place`, with the desired motion."""
         memory, pose, desired = self.memory, self.pose, self.desired
         self.place(memory.q_d, desired)
         way = self.twist
@@ -223,7 +223,7 @@ class JointWatch:
             self.violations.add(DEVIATION, 2, bend, self.elbow)
 
     def place(self, q: Doubles, pose: Doubles) -> None:
-        """Write the poses of the links, and that of the end effector to `pose`."""
+        """Write the poses of the links, and the end effector's pose into `pose`."""
         place_links(self.chain, q, self.links)
         compose(self.flange, self.tool, pose)
 
