@@ -1,7 +1,7 @@
 """The robot's side of the Franka Control Interface: the cycle, and two ports.
 
 The cycle is the arm's clock. A cycle that begins late is not caught up: a real arm is
-never late, and a client must not lose packets for a server that was.
+never late, and a client must not lose packets because the server was.
 """
 
 import logging
@@ -59,7 +59,7 @@ class FciCounts:
     Attributes:
         cycles: Cycles of the arm.
         commanded: Cycles of a client's motion, from its first command on.
-        lost: Those of them in which no command had arrived.
+        lost: Commanded cycles in which no command had arrived.
     """
 
     cycles: int = 0
@@ -79,7 +79,7 @@ class FciServer:
         robot_model: The URDF of the arm for clients; empty if there is none.
 
     Attributes:
-        counts: Numbers of clients, states and lost commands so far.
+        counts: Numbers of cycles and of lost commands so far.
 
     Raises:
         FciPortError: An address cannot be used.
@@ -120,7 +120,7 @@ class FciServer:
                 raise
 
     def run(self, is_over: Callable[[], bool]) -> None:
-        """Serve until `is_over`, which is asked once per cycle."""
+        """Serve until `is_over`, called once per cycle, returns True."""
         period = self._arm.cycle_time
         sent = deadline = self._clock()
         while not is_over():
@@ -131,13 +131,13 @@ class FciServer:
             sent = self._clock()
 
     def change(self, action: Callable[[], None]) -> Future[None]:
-        """Let something be done between two cycles. Any thread.
+        """Carry an action out between two cycles. Any thread.
 
         Args:
             action: The change; it may not wait.
 
         Returns:
-            Time at which it was done, or its exception.
+            Done when the action has been carried out, or has failed with an exception.
         """
         done: Future[None] = Future()
         self._changes.put((action, done))
@@ -147,7 +147,8 @@ class FciServer:
         """Listen at both ports, or send the clients away and refuse connections.
 
         Returns:
-            When it was done; an OSError if another program has taken a port.
+            Done when the ports are open or closed; an OSError if another program has
+                taken a port.
         """
         return self.change(partial(self._set_open, is_open=is_open))
 
@@ -173,7 +174,7 @@ class FciServer:
                 done.set_result(None)
 
     def _cycle(self) -> None:
-        """Let the arm make a step, and tell the clients."""
+        """Let the arm make a step, and send its state and answers to the clients."""
         port, counts = self._robot_port, self.counts
         session, answers = port.session, b""
         counts.cycles += 1
@@ -187,8 +188,8 @@ class FciServer:
         if session is not None and session.udp_port is not None:
             self._arm.refresh_state()
             answers += session.after_cycle()
-            # The state goes first: it has the errors that a client tells of when it
-            # reads the answer.
+            # The state goes first: a client that reads the answer reports the errors of
+            # this state.
             port.send_datagram(session.state(self._message_id))
             port.send(answers)
             if reason := session.take_reason():
