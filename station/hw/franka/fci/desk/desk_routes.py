@@ -1,4 +1,4 @@
-"""The REST of Desk, as far as programs call it to unlock an arm.
+"""The REST interface of Desk, as far as programs use it to unlock an arm.
 
 There are two interfaces with one state: `/api` of the FR3's system 5, which takes a
 name and a password with every request, and `/admin/api` and `/desk/api` of the Panda
@@ -40,21 +40,21 @@ _Handler = Callable[[Desk, "Call"], Answer]  # or an awaitable of one
 
 
 class Call:
-    """One request: its body, its control token.
+    """One request with its body and its control token.
 
     Args:
         request: The request.
-        body: Its body.
+        body: Body of the request.
     """
 
     def __init__(self, request: Request, body: bytes) -> None:
         self.request, self._body = request, body
 
     def json(self) -> Mapping[str, Any]:
-        """Return the body, if it is an object of JSON, or a form.
+        """Return the fields of the body, which is a JSON object or a form.
 
         Raises:
-            DeskRefusalError: It is neither.
+            DeskRefusalError: The body is neither.
         """
         if "x-www-form-urlencoded" in self.request.headers.get("content-type", ""):
             return {k: v[0] for k, v in parse_qs(self._body.decode()).items()}
@@ -67,7 +67,7 @@ class Call:
         """Return the body as JSON.
 
         Raises:
-            DeskRefusalError: It is not JSON.
+            DeskRefusalError: The body is not JSON.
         """
         try:
             return json.loads(self._body)
@@ -77,7 +77,7 @@ class Call:
             ) from error
 
     def text(self, name: str) -> str:
-        """Return a text of the body; empty without one."""
+        """Return a field of the body as text; empty without such a field."""
         return str(self.json().get(name) or "")
 
     @property
@@ -244,7 +244,7 @@ def _configure(desk: Desk, call: Call) -> Answer:
         "tcp": tcp,
     }
     load_of(profile)
-    # One end effector of this interface, whatever it was called before.
+    # This interface knows one end effector, whatever its name was before.
     desk.profiles["ee-configured"] = profile
     return _after(desk.activate_profile("ee-configured"), _DONE)
 
@@ -273,7 +273,7 @@ def _activate(desk: Desk, call: Call) -> Answer:
     return _after(desk.activate_profile(str(call.value())), _DONE)
 
 
-# Method, path, handler; those behind the line need the control token.
+# Method, path, handler; requests of `_CONTROLLED` need the control token.
 _FREE: tuple[tuple[str, str, _Handler], ...] = (
     ("GET", "/api/system", _system),
     ("GET", "/api/system/operating-mode", lambda desk, _: {"status": desk.mode}),
@@ -331,7 +331,7 @@ def _is_known(connection: HTTPConnection) -> bool:
     told = connection.headers.get("authorization", "")
     kind, _, value = told.partition(" ")
     if kind.lower() != "basic":
-        return bool(told)  # the cookie's value, as the events of the buttons have it
+        return bool(told)  # the cookie's value, which clients of the buttons send
     try:
         return bool(base64.b64decode(value, validate=True).partition(b":")[0])
     except ValueError:
@@ -383,7 +383,7 @@ def make_app(desk: Desk) -> Starlette:
 
 
 async def _speak(socket: WebSocket, say: Callable[[], str] | None) -> None:
-    """Send messages until the client goes; without `say` none."""
+    """Send messages until the client goes; without `say`, send none."""
     if not _is_known(socket):
         await socket.close()
         return

@@ -29,7 +29,7 @@ from station.hw.franka.fci.desk.desk_state import (
 from station.hw.franka.fci.server.client_port import FciPortError
 
 HTTPS = 443
-"""Port of Desk: clients that take the address of the robot alone use no other one."""
+"""Port of Desk: clients that know only the address of the robot use this port."""
 FIRST_FREE_PORT = 1024
 DAYS = 3650
 """Validity of a certificate [days]."""
@@ -110,7 +110,7 @@ class DeskServer:
         return number
 
     def close(self) -> None:
-        """Listen no longer."""
+        """Stop listening."""
         self._server.should_exit = True
         self._thread.join(_END)
         self._listener.close()

@@ -26,7 +26,7 @@ EXECUTION, PROGRAMMING = "Execution", "Programming"
 NO_END_EFFECTOR = "ee-no-profile"
 """Name of Desk's own profile without an end effector."""
 MOUNTED = "ee-mounted"
-"""Name of the profile of what the simulated arm carries."""
+"""Name of the profile of the end effector that the simulated arm carries."""
 LONGEST_WAIT = 60.0
 """Longest wait for control [s]."""
 Profile = dict[str, Any]
@@ -52,7 +52,7 @@ class ServerOfDesk(Protocol):
     """A server of libfranka's programs, as Desk needs it. Any thread."""
 
     def change(self, action: Callable[[], None]) -> Future[None]:
-        """Let something be done between two cycles of the arm."""
+        """Carry an action out between two cycles of the arm."""
 
     def open_or_close(self, *, is_open: bool) -> Future[None]:
         """Let programs of libfranka connect, or send them away and refuse them."""
@@ -84,7 +84,7 @@ class ServedArm:
         return self.server.open_or_close(is_open=active)
 
     def set_end_effector(self, load: Load, frame: tuple[float, ...]) -> Future[None]:
-        """Let the state tell another end effector, and its frame F_T_NE."""
+        """Report another end effector, and its frame F_T_NE, in the arm's state."""
         return self.server.change(partial(self.arm.set_mounted, load, frame))
 
     def home_gripper(self) -> Future[None]:
@@ -114,7 +114,7 @@ class ControlToken:
         number: Its public number.
         secret: Text that proves the token in requests.
         owner: Name of the client.
-        since: When it was asked for [s].
+        since: Time at which the token was asked for [s].
     """
 
     number: int
@@ -130,7 +130,7 @@ class Desk:
     Attributes:
         arm: The arm.
         profiles: The end effectors by their names, those of Desk among them.
-        active: Name of the end effector that counts.
+        active: Name of the active end effector.
         mode: The operating mode.
         are_brakes_closed: Whether the joints are locked; at the start they are.
         is_fci_active: Whether programs of libfranka can connect; at first they cannot.
@@ -151,12 +151,12 @@ class Desk:
     _numbers: "count[int]" = field(default_factory=lambda: count(1))
 
     def request_control(self, owner: str, *, is_forced: bool = False) -> ControlToken:
-        """Return a token: in force if no client has control, else it waits for that.
+        """Return a token, which waits as long as another client has control.
 
         Args:
             owner: Name of the client.
-            is_forced: Whether it is in force at once; on a robot a person at the arm
-                presses a button for this.
+            is_forced: Whether the token is in force at once; on a real robot a person
+                at the arm presses a button for this.
         """
         number, secret = next(self._numbers), secrets.token_hex(16)
         token = ControlToken(number, secret, owner, self.now())
@@ -190,7 +190,7 @@ class Desk:
             secret: The token of the request; None without one.
 
         Raises:
-            DeskRefusalError: It is not the token in force.
+            DeskRefusalError: `secret` is not that of the token in force.
         """
         if not secret:
             raise DeskRefusalError(
@@ -279,7 +279,7 @@ class Desk:
         del self.profiles[name]
 
     def activate_profile(self, name: str) -> Future[None]:
-        """Let an end effector count.
+        """Make an end effector the active one.
 
         Raises:
             DeskRefusalError: No profile has the name.

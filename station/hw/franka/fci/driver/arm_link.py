@@ -37,7 +37,7 @@ class Connection:
     Attributes:
         network: The network.
         client: Asks the arm.
-        message_id: Number of the state.
+        message_id: Number of the first state.
     """
 
     network: Network
@@ -48,8 +48,8 @@ class Connection:
 class Reconnection:
     """Opens new connections, in a thread of its own, when the control thread asks.
 
-    A connection takes up to some seconds to fail. The control thread asks for one and
-    finds it here; it never waits.
+    An attempt to connect may fail only after seconds. The control thread asks for a
+    connection here, and finds it here later; it never waits.
 
     Args:
         open_network: Opens a connection.
@@ -71,15 +71,15 @@ class Reconnection:
         """Ask for a connection, once at a time.
 
         Args:
-            settings: Requests that follow the connection.
+            settings: Requests to send once the arm is connected.
         """
         self._found, self._settings = None, settings
-        # A full socket has a word in it already.
+        # A full socket already holds the byte that wakes the thread.
         with contextlib.suppress(BlockingIOError):
             self._word.send(b"\0")
 
     def take_connection(self) -> Connection | str | None:
-        """Return the new connection once, or the reason for its failure, else None."""
+        """Return, once, a new connection or why it failed; None without either."""
         found, self._found = self._found, None
         return found
 
@@ -125,7 +125,7 @@ class Reconnection:
         """Return the number of the first state.
 
         Raises:
-            FciNetworkError: None has come.
+            FciNetworkError: No state has come.
         """
         size = self._protocol.state.size
         buffer = bytearray(size + 1)
@@ -141,7 +141,7 @@ CYCLE_TIME = 0.001
 
 
 class ArmLink:
-    """Receives states and asks for things, until the arm is lost. Control thread.
+    """Receives states and sends requests, until the arm is lost. Control thread.
 
     A lost arm is connected to again on request, by another thread.
 
@@ -206,13 +206,13 @@ class ArmLink:
         self._counted = self.reader.message_id
 
     def begin_return(self, settings: list[tuple[Command, Mapping[str, Any]]]) -> None:
-        """Let a lost arm be connected to again; `receive_return` finds the connection.
+        """Ask for a new connection to a lost arm; `receive_return` takes it over.
 
         Args:
             settings: Requests that follow the connection.
 
         Raises:
-            ArmCommandError: This arm stays lost.
+            ArmCommandError: Nothing can open a new connection: this arm stays lost.
         """
         if self._reconnection is None:
             raise self._told()
@@ -223,7 +223,7 @@ class ArmLink:
     def receive_return(self) -> bool:
         """Take a new connection over, if any; return whether there was one.
 
-        When none could be made, `loss` is why.
+        If the attempt failed, `loss` becomes its reason.
         """
         found = self._reconnection and self._reconnection.take_connection()
         if not found or not self.is_returning:
@@ -261,13 +261,13 @@ class ArmLink:
             pass
 
     def count(self) -> int:
-        """Return the elapsed cycles since the last call; of a lost arm always 1."""
+        """Return the elapsed cycles since the last call; always 1 for a lost arm."""
         elapsed = self.reader.message_id - self._counted
         self._counted = self.reader.message_id
         return elapsed if self.loss is None else 1
 
     def pass_time(self) -> None:
-        """Let a cycle pass without an arm."""
+        """Sleep for a cycle, in place of waiting for a lost arm."""
         time.sleep(CYCLE_TIME)
 
     def send_command(self, message: bytearray) -> None:
@@ -287,7 +287,7 @@ class ArmLink:
             raise self._lose(error) from error
 
     def ask(self, command: Command, values: Mapping[str, Any] = NOTHING) -> RobotAnswer:
-        """Ask for something and return the first answer.
+        """Send a request and return the first answer.
 
         Raises:
             ArmCommandError: The arm is lost.
@@ -316,7 +316,7 @@ class ArmLink:
         self.receive_next()
 
     def refused(self, answer: RobotAnswer) -> ArmCommandError:
-        """Return the message for a caller about an answer that is no success."""
+        """Return the error for an answer that is no success."""
         mode = self.reader.robot_mode
         todo = REMEDIES.get(mode, "stop the running motion, then try again")
         return ArmCommandError(
@@ -337,7 +337,7 @@ class ArmLink:
             return None
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         if self._reconnection is not None:
             self._reconnection.close()
         self._network.close()
@@ -353,7 +353,7 @@ class ArmLink:
             self._lose(FciNetworkError("libfranka: UDP receive: Timeout"))
 
     def check(self) -> None:
-        """Refuse a request that needs an arm.
+        """Raise an error if the arm is lost.
 
         Raises:
             ArmCommandError: The arm is lost.

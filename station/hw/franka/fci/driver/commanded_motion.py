@@ -1,4 +1,4 @@
-"""The motion that this side commands: its modes, its commands, and its log.
+"""The motion that the station commands: its modes, its commands, and its log.
 
 Source: libfranka@0.9.2 src/robot_impl.cpp, Robot::Impl::sendRobotCommand, update.
 """
@@ -57,19 +57,19 @@ class CommandWriter:
         _ID.pack_into(self.message, 0, message_id)
 
     def joints(self, name: str, values: Storage) -> None:
-        """Put joint positions (`q_c`) or velocities (`dq_c`) in, shape (7,).
+        """Write joint positions (`q_c`, [rad]) or velocities (`dq_c`, [rad/s]), (7,).
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: `values` are not 7 finite numbers.
         """
         _check(values, 7, "joint commands")
         put(self._parts[name], values)
 
     def torques(self, values: Storage) -> None:
-        """Put torques in, shape (7,).
+        """Write torques [Nm], shape (7,).
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: `values` are not 7 finite numbers.
         """
         _check(values, 7, "joint torques")
         self._torques.pack_into(self.message, self._places["tau_J_d"], *values)
@@ -77,7 +77,7 @@ class CommandWriter:
     def cartesian(
         self, name: str, values: Storage, elbow: Sequence[float] | None
     ) -> None:
-        """Put a pose (`O_T_EE_c`) or a twist (`O_dP_EE_c`) in.
+        """Write a pose (`O_T_EE_c`) or a twist (`O_dP_EE_c`).
 
         Args:
             name: Name of the interface.
@@ -118,7 +118,7 @@ def _check_elbow(elbow: Sequence[float]) -> None:
 
 
 _LENGTH = 50
-"""Source: libfranka@0.9.2 include/franka/robot.h, Robot, `log_size`."""
+"""Number of cycles kept. Source: libfranka@0.9.2 include/franka/robot.h, `log_size`."""
 
 
 class MotionLog:
@@ -143,7 +143,7 @@ class MotionLog:
 
         Args:
             state: The arm's message.
-            command: Command that answered the state before.
+            command: The command that answered the previous state.
         """
         size = self._protocol.state.size
         self._cycles.append((bytes(state[:size]), bytes(command)))
@@ -167,7 +167,7 @@ class MotionLog:
 
 
 _DEVIATIONS = (10.0, 3.12, 2.0 * pi)
-"""Source: libfranka@0.9.2 src/control_loop.h, kDefaultDeviation."""
+"""Source: libfranka@0.9.2 src/control_loop.h, kDefaultDeviation [m, rad, rad]."""
 _CONTROLLERS = dict(zip(ControllerMode, MoveController, strict=True))
 _GENERATORS = {MotionGeneratorMode[g.name]: g for g in MoveGenerator}
 _FIELDS = {
@@ -223,8 +223,8 @@ class CommandedMotion:
             generator: Kind of the commanded motion.
         """
         kind, motion = _CONTROLLERS[controller], _GENERATORS[generator]
-        # Without a generator of their own, torques alone are a motion with joint
-        # velocities that are zero, as in libfranka.
+        # A version without a generator for torques alone gets a motion with joint
+        # velocities that are zero, as from libfranka.
         if motion not in self._protocol.generators:
             motion = MoveGenerator.JOINT_VELOCITY
         self._controller, self._generator = controller, generator
@@ -247,7 +247,7 @@ class CommandedMotion:
         self._needed = 0
 
     def begin_cycle(self) -> None:
-        """Forget the half of a command that was given for the last cycle."""
+        """Forget an incomplete command of the last cycle."""
         self._given = 0
 
     def note_state(self) -> None:
@@ -267,7 +267,7 @@ class CommandedMotion:
         """Command torques.
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: `tau` are not 7 finite numbers.
             ArmCommandError: The motion has no torques.
         """
         if self._controller is not ControllerMode.EXTERNAL_CONTROLLER:
@@ -279,7 +279,7 @@ class CommandedMotion:
         """Command joint positions or velocities.
 
         Raises:
-            InvalidCommandError: Not 7 finite numbers.
+            InvalidCommandError: `values` are not 7 finite numbers.
             ArmCommandError: The motion is of another kind.
         """
         self._check_generator(generator)
@@ -295,7 +295,8 @@ class CommandedMotion:
         """Command a pose or a twist.
 
         Raises:
-            InvalidCommandError: The numbers are none, or the elbow is impossible.
+            InvalidCommandError: The numbers are no pose or twist, or the elbow is
+                impossible.
             ArmCommandError: The motion is of another kind.
         """
         self._check_generator(generator)
@@ -303,7 +304,7 @@ class CommandedMotion:
         self._give(_MOTION)
 
     def _give(self, part: int) -> None:
-        """Note a part of the cycle's command; send when nothing is missing."""
+        """Note a part of the cycle's command; send the command when it is complete."""
         self._given |= part
         if self._given == self._needed and not self.is_late:
             self._writer.number(self._reader.message_id)

@@ -1,8 +1,8 @@
 """An arm behind the Franka Control Interface.
 
 Source: libfranka@0.9.2 src/robot_impl.cpp, Robot::Impl; differs: a motion is stopped
-without waiting for the end of the stop, and what the arm answers in a cycle is looked
-at in a later one, because the control thread waits for nothing but the next state.
+without waiting for the end of the stop, and answers of the arm are read in a later
+cycle, because the control thread waits for nothing but the next state.
 """
 
 import os
@@ -61,16 +61,16 @@ class PendingRequests:
 
     @property
     def is_stopping(self) -> bool:
-        """Return whether the answer to a stop is due."""
+        """Return whether the answer to a stop has not come yet."""
         return self._stop is not None
 
     @property
     def is_recovering(self) -> bool:
-        """Return whether the answer to a recovery is due."""
+        """Return whether the answer to a recovery has not come yet."""
         return self._recovery is not None
 
     def stop(self) -> bool:
-        """Ask for a stop; return whether the arm was there to be asked."""
+        """Ask for a stop; return False if the arm is lost."""
         try:
             self._stop = self._link.send(Command.STOP_MOVE)
         except ArmCommandError:
@@ -89,11 +89,11 @@ class PendingRequests:
         self._waiting.append(self._recovery)
 
     def expect(self, number: int) -> None:
-        """Take the answer to a request that was sent before, once it is there."""
+        """Wait for the answer to a request that was sent elsewhere; see `look`."""
         self._waiting.append(number)
 
     def look(self) -> None:
-        """Look whether the arm has answered; once per cycle."""
+        """Take the answers that have come; called once per cycle."""
         if not self._waiting:
             return
         for number in list(self._waiting):
@@ -108,7 +108,7 @@ class PendingRequests:
                 self.failure = refusal_of(answer.command, answer.status, mode)
 
     def clear(self) -> None:
-        """Expect nothing any more: the arm is lost."""
+        """Stop waiting for answers: the arm is lost."""
         self._waiting.clear()
         self._stop = self._recovery = None
 
@@ -121,9 +121,9 @@ _REMEDY = (
 
 
 def realtime_problem(thread: int, kernel: Path = _KERNEL) -> str | None:
-    """Return the reason why a thread is not real-time enough, and the remedy.
+    """Return reason and remedy if a thread cannot run in real time; None if it can.
 
-    None if it is.
+    It must run under SCHED_FIFO on a real-time kernel.
 
     Args:
         thread: The thread's number in the operating system.
@@ -153,7 +153,7 @@ def realtime_problem(thread: int, kernel: Path = _KERNEL) -> str | None:
 
 
 _LONGEST_START = 1000
-"""States within which a motion that the arm has accepted shows."""
+"""Number of states within which an accepted motion must appear."""
 
 
 class FciArm(RobotArm):
@@ -304,7 +304,7 @@ class FciArm(RobotArm):
         if motion is None:
             return
         self._commands.end()
-        self._link.forget(motion)  # how it ends is what the stop is answered
+        self._link.forget(motion)  # the answer to the stop tells how the motion ended
         if self._pending.stop():
             self._show_mode()
             self._pending.look()
@@ -436,7 +436,7 @@ class FciArm(RobotArm):
         self._link.close()
 
     def _take_state(self) -> None:
-        """Follow the motion by a new state."""
+        """Update the motion from a new state."""
         if self._motion is not None:
             self._commands.note_state()
             if not self._commands.is_shown():
@@ -462,7 +462,7 @@ class FciArm(RobotArm):
             self._show_mode()
 
     def _shown_mode(self) -> RobotMode:
-        """Return the arm's mode; foreign motions do not count."""
+        """Return the arm's mode; while others move the arm, it is Idle."""
         if self._link.is_returning:
             return RobotMode.AUTOMATIC_ERROR_RECOVERY
         if self._link.loss is not None:
@@ -479,10 +479,10 @@ class FciArm(RobotArm):
         """Wait until the states show a motion that the arm has accepted.
 
         Returns:
-            The number of its request.
+            Number of the motion's request.
 
         Raises:
-            ArmCommandError: The arm refuses the motion, or it does not show.
+            ArmCommandError: The arm refuses the motion, or no state shows it in time.
         """
         if answer.status != MoveStatus.MOTION_STARTED:
             raise self._link.refused(answer)

@@ -70,7 +70,7 @@ class _Version(Protocol[_Command]):
 
 
 class FciClient(Generic[_Command]):
-    """Asks an arm or a hand, and keeps the answers that come later. One thread.
+    """Sends requests to an arm or a hand, and keeps their answers. One thread.
 
     Args:
         network: The network.

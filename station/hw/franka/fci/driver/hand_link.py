@@ -42,7 +42,7 @@ _logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class HandOrder:
-    """Something that the hand shall do.
+    """A command that the hand is to carry out.
 
     Attributes:
         identifier: Number of the command, for its outcome.
@@ -81,8 +81,8 @@ class HandLink:
         open_network: Opens a connection to the hand.
         protocol: The version that is spoken.
         clock: Wall time [s].
-        pause: Waits for bytes of the hand, for a word of the control thread, or as
-            long as it is given [s].
+        pause: Waits until bytes of the hand or an order arrive, at most for the given
+            time [s].
 
     Attributes:
         problem: Why there is no hand; None while it is there.
@@ -128,14 +128,14 @@ class HandLink:
         self._thread.start()
 
     def order(self, order: HandOrder) -> None:
-        """Leave an order, which replaces those before. Does not wait."""
+        """Leave an order, which replaces earlier orders. Does not wait."""
         self._orders.append(order)
-        # A full socket has a word in it already.
+        # A full socket already holds the byte that wakes the thread.
         with contextlib.suppress(BlockingIOError):
             self._word.send(b"\0")
 
     def close(self) -> None:
-        """Stop the fingers if a motion runs, and hang up; once is enough."""
+        """Stop the fingers if they move, and close the connection; may be repeated."""
         if self._is_closing:
             return
         self._is_closing = True
@@ -202,7 +202,7 @@ class HandLink:
         """Wait for the first state.
 
         Raises:
-            FciNetworkError: None has come.
+            FciNetworkError: No state has come.
         """
         for _ in range(round(UDP_TIMEOUT / SLICE)):
             if self._is_state(network.wait(self._buffer)):
@@ -217,7 +217,7 @@ class HandLink:
         """Read the newest state.
 
         Raises:
-            FciNetworkError: None has come for too long.
+            FciNetworkError: No state has come for too long.
         """
         has_state = False
         while size := network.poll(self._buffer):

@@ -16,8 +16,7 @@ UDP_TIMEOUT = 1.0
 """Time without a state after which the arm is lost [s]. Source: libfranka@0.9.2
 src/network.h, Network."""
 SLICE = 0.005
-"""Longest single wait for a state [s]: what else the control thread has to do waits no
-longer."""
+"""Longest wait for a state [s]: other work of the control thread waits no longer."""
 _CHUNK = 65_536
 _TIMEVAL = struct.Struct("@ll")
 
@@ -44,7 +43,7 @@ class Network(Protocol):
         """Send bytes of the TCP stream."""
 
     def receive(self, timeout: float) -> bytes:
-        """Return the next bytes of the TCP stream; none if none came in time [s]."""
+        """Return the next bytes of the TCP stream; empty if none come in time [s]."""
 
     def send_datagram(self, data: bytearray) -> None:
         """Send a command; a datagram that the network does not take is lost."""
@@ -56,14 +55,14 @@ class Network(Protocol):
         """Take a datagram that is there already; return its size, 0 without one."""
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
 
 
 class FciNetwork:
     """Connects to an arm.
 
-    `wait` is one blocking call of the operating system, which gives the interpreter
-    away while it sleeps; so does `send_datagram`, which does not sleep.
+    `wait` is one blocking call of the operating system, which releases the interpreter
+    lock while it sleeps; so does `send_datagram`, which does not sleep.
 
     Args:
         host: Address of the arm.
@@ -116,7 +115,7 @@ class FciNetwork:
             raise FciNetworkError(f"libfranka: TCP send bytes: {error}") from error
 
     def receive(self, timeout: float) -> bytes:
-        """Return the next bytes of the TCP stream; none if none came in time.
+        """Return the next bytes of the TCP stream; empty if none come in time.
 
         Args:
             timeout: How long to wait [s]; 0 looks once.
@@ -158,7 +157,7 @@ class FciNetwork:
             size, address = udp.recvfrom_into(buffer, 0, flags)
             if self._is_strict and address[0] != self._peer:
                 return 0
-            # From now on the kernel drops what others send, and knows the receiver.
+            # From now on the kernel drops datagrams of others, and knows the receiver.
             udp.connect(address)
             self.sender = address[0]
         except OSError:
@@ -167,7 +166,7 @@ class FciNetwork:
         return size
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         self._tcp.close()
         self._udp.close()
 

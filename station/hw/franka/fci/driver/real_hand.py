@@ -78,7 +78,7 @@ class RealHand(GripperServices):
                     interface.register_handle(handle)
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         self._link.close()
 
     @override
@@ -146,7 +146,7 @@ class RealHand(GripperServices):
         while outcomes:
             outcome = outcomes.popleft()
             if self._command is None or outcome.identifier != self._command.identifier:
-                continue  # of a command that another one has taken over
+                continue  # of a command that a newer command has replaced
             if outcome.status == GripperStatus.SUCCESS:
                 self._end(GoalStatus.SUCCEEDED, "")
             else:
@@ -203,6 +203,6 @@ class RealHand(GripperServices):
         return state
 
     def _note_width(self, state: Mapping[str, Any]) -> None:
-        """Show where the fingers are; the thread of the link writes them only."""
+        """Write the positions of the fingers, which the thread of the link reports."""
         q = self._fingers["q"]
         q[0] = q[1] = state["width"] / 2.0

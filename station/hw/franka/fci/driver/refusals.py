@@ -1,7 +1,7 @@
 """The meaning of the arm's answers, in libfranka's words.
 
-Source: libfranka@0.9.2 src/robot_impl.h, handleCommandResponse; differs: what to do is
-said beside them.
+Source: libfranka@0.9.2 src/robot_impl.h, handleCommandResponse; differs: there are
+remedies as well.
 """
 
 from enum import IntEnum
@@ -58,7 +58,7 @@ REMEDIES = {
     RobotMode.USER_STOPPED: "release the user stop",
     RobotMode.AUTOMATIC_ERROR_RECOVERY: "wait until the arm is at rest",
 }
-"""What to do before an arm in a mode can move."""
+"""Remedy for each mode in which an arm cannot move."""
 
 
 def refusal_of(command: Command, number: int, mode: RobotMode) -> str:

@@ -17,7 +17,7 @@ _MODES = {mode.value: mode for mode in RobotMode}
 
 
 class StateReader:
-    """Keeps one message, and the state in step with it. Control thread.
+    """Keeps one message, and brings the state up to date with it. Control thread.
 
     Args:
         state: The state to bring up to date.
@@ -27,8 +27,8 @@ class StateReader:
     Attributes:
         message: Buffer for the next message.
         message_id: Number of the message that was read last.
-        modes: Its `motion_generator_mode` and `controller_mode`, as on the wire.
-        robot_mode: Its mode of the arm.
+        modes: `motion_generator_mode` and `controller_mode` of it, as on the wire.
+        robot_mode: Mode of the arm in the message.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class StateReader:
         return number > self.message_id
 
     def begin_anew(self, message_id: int) -> None:
-        """Take states of a new connection, which counts anew.
+        """Take states of a new connection, which counts its states anew.
 
         Args:
             message_id: Number of the newest state that has been received.

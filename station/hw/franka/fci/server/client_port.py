@@ -99,8 +99,8 @@ class ClientPort(Generic[_Session]):
     def datagrams(self) -> list[bytes]:
         """Return the datagrams that the client has sent since the last call."""
         found: list[bytes] = []
-        # libfranka sends its commands from the socket at which it hears the states. Any
-        # other program of the same machine, or behind the same address, is a stranger.
+        # libfranka sends its commands from the socket at which it receives the states.
+        # Datagrams from another port or address come from another program.
         own = self._peer, None if self.session is None else self.session.udp_port
         while self._connection is not None:
             try:
@@ -200,10 +200,10 @@ class ClientPort(Generic[_Session]):
         self.send(answers)
 
     def _turn_away(self, error: FciProtocolError) -> None:
-        """Say a last word to the client, and end the connection.
+        """Send the last answer to the client, and end the connection.
 
-        A client that hears of another version may connect with that one at once, so
-        the port listens before the answer goes out.
+        A client that learns of another version may connect with that version at once,
+        so the port listens before the answer goes out.
         """
         _logger.warning("%s: %s", self._what, error.message)
         self._listener = self._listen()

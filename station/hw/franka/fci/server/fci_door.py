@@ -27,17 +27,17 @@ if TYPE_CHECKING:
 OPEN, DATA, LEAVE = 1, 2, 3
 """Kinds of frames from this process: a new client, its bytes, its end."""
 OF_HAND = 16
-"""Is added to the kind of a frame that a client of the hand is the reason for."""
+"""Added to the kind of every frame that belongs to a client of the hand."""
 MEMORY_BYTES = 2 * PAGE_BYTES
 """Size of the memory that is shared [bytes]: the page of the arm, that of the hand."""
 ANSWER, REFUSAL = 4, 5
-"""Kinds of frames to this process: answers behind the UDP port; why it must go."""
+"""Kinds of frames to this process: answers after the UDP port; why a client must go."""
 FRAME = struct.Struct("<BI")
-"""Head of a frame: its kind, and the size of what follows [bytes]."""
+"""Head of a frame: its kind, and the size of its content [bytes]."""
 LAST_WORDS = struct.Struct("<H")
-"""What a `REFUSAL` begins with: the size of the answers before the reason [bytes]."""
+"""Head of a `REFUSAL`: the size of the answers before the reason [bytes]."""
 UDP_PORT = struct.Struct("<H")
-"""What an `ANSWER` begins with: the client's UDP port, 0 until it has connected."""
+"""Head of an `ANSWER`: the client's UDP port, 0 until it has connected."""
 _LOOK = 0.0002
 """Time between two looks at the shared memory while there is a client [s]."""
 _IDLE = 0.05
@@ -57,7 +57,7 @@ def refusal(reason: str, answers: bytes = b"") -> bytes:
 
     Args:
         reason: Why the client must go.
-        answers: Answers that the client gets before.
+        answers: Answers that the client gets before it must go.
     """
     return LAST_WORDS.pack(len(answers)) + answers + reason.encode()
 
@@ -83,7 +83,7 @@ def _receive(pipe: socket.socket, size: int) -> bytes:
 
 
 class RelayedSession:
-    """The session of one client, which is in the station.
+    """Stands for the session of one client, which is in the station.
 
     Args:
         pipe: The pipe to the station.
@@ -129,7 +129,7 @@ class FciDoor:
         host: Address to listen at.
         pipe: The pipe to the station.
         page: The memory that is shared with the control thread.
-        hand: The same for the hand; None without a hand.
+        hand: The memory shared for the hand; None without a hand.
 
     Raises:
         FciPortError: The address cannot be used.
@@ -188,8 +188,8 @@ def relay(port: ClientPort[RelayedSession], page: SharedPage) -> None:
     """Move messages of the client and of the control thread."""
     for datagram in port.datagrams():
         page.put_command(datagram)
-    # Answers are left behind the state that belongs to them: taken before it and sent
-    # after it they never overtake it.
+    # The station leaves answers after the state that belongs to them. Taken before the
+    # state and sent after it, answers never overtake it.
     answers, state = page.take_answers(), page.take_state()
     if state is not None:
         port.send_datagram(bytes(state))

@@ -44,13 +44,13 @@ class _Guest(Generic[SessionT]):
         self._session = self._begin()
 
     def receive(self, data: bytes) -> tuple[bytes, int | None]:
-        """Take bytes of the client; return answers, and its UDP port.
+        """Take bytes of the client; return answers, and the client's UDP port.
 
         Args:
             data: The next bytes.
 
         Raises:
-            FciProtocolError: The connection must end.
+            FciProtocolError: The client broke the protocol; the connection must end.
         """
         session = self._session
         if session is None:
@@ -145,8 +145,8 @@ class FciGuest(_Guest[RobotSession]):
         arm = self._arm
         arm.refresh_state()
         self._unsent += session.after_cycle()
-        # The state goes first: it has the errors that a client tells of when it reads
-        # the answer.
+        # The state goes first: a client that reads the answer reports the errors of
+        # this state.
         page.put_state(session.state(round(arm.state.time / arm.cycle_time)))
         self._answer()
 
@@ -187,8 +187,9 @@ class GuestReading:
     Args:
         guest: The guest of the arm.
         read: Reads the robot.
-        wait: Lets the arm wait for a late loop, or not: for cycles that it makes up
-            for, a client has got no state, and so has no command.
+        wait: Sets whether the arm waits for a late loop. It must while a client
+            commands the arm: in a cycle that is made up for, the client has no state to
+            answer.
         hand: The guest of the hand; None without a hand.
     """
 

@@ -1,4 +1,4 @@
-"""One client of a hand: its requests and the answers at their ends; no sockets.
+"""One client of a hand: its requests and their answers; no sockets.
 
 A newer command takes the fingers over; the older one is answered with ABORTED.
 """
@@ -33,7 +33,7 @@ _ENDS = {
 
 
 class GripperSession:
-    """Serves one client; a new one for the next client. Control thread.
+    """Serves one client; each client gets a new session. Control thread.
 
     Args:
         hand: The hand; the owner of the session advances it once per cycle.
@@ -55,7 +55,7 @@ class GripperSession:
         self._protocol = protocol
         self._reader = MessageReader(GRIPPER_HEADER, protocol.exchanges)
         self._running: Request[HandCommand] | None = None
-        self._identifier: int | None = None  # of the command that it has begun
+        self._identifier: int | None = None  # of the command that this client began
         self.udp_port: int | None = None
 
     def receive(self, data: bytes) -> bytes:
@@ -65,12 +65,12 @@ class GripperSession:
             data: The next bytes.
 
         Raises:
-            FciProtocolError: The connection must end.
+            FciProtocolError: The client broke the protocol; the connection must end.
         """
         return b"".join(self._answer(request) for request in self._reader.feed(data))
 
     def after_cycle(self) -> bytes:
-        """Return the answer that the end of a motion of the fingers makes due."""
+        """Return the answer that is due because a motion of the fingers has ended."""
         if self._running is None:
             return b""
         state = self._hand.get_state()
@@ -85,7 +85,7 @@ class GripperSession:
         """Return the state of the hand as a message.
 
         Args:
-            message_id: Its number.
+            message_id: Number of the message.
         """
         state = self._hand.get_state()
         return self._protocol.state.pack({

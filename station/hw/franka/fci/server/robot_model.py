@@ -1,9 +1,9 @@
 """The URDF of an arm, which libfranka 0.14 and newer ask for in place of a library.
 
-They compute the dynamics from it and, from 0.18 on, the velocity limits that depend on
-the positions of the joints. Links and joints have no prefix: those clients look for
-`link8`, and add the end effector and the load of the state to it themselves. So the
-text has no hand, and it has no shapes, which they do not read.
+These versions compute the dynamics from the URDF and, from 0.18 on, the velocity limits
+that depend on the positions of the joints. Links and joints have no prefix: those
+clients look for `link8`, and add the end effector and the load of the state themselves.
+The URDF therefore has no hand, and no shapes, which the clients do not read.
 
 Source: libfranka@0.20.4 src/joint_velocity_limits.cpp,
 JointVelocityLimitsConfig::parseFromURDF; src/robot_model.cpp; test/fr3.urdf.
@@ -21,8 +21,8 @@ from station.hw.franka.arm.franka_kinematics import CHAIN, DOF
 from station.hw.franka.simulated.franka_dynamics import read_bodies
 from station.hw.urdf_loader import load_urdf
 
-# Deceleration for an arm whose limits do not depend on the position [rad/s^2]: large
-# enough to matter in the last 4 microradians before a position limit alone.
+# Deceleration for an arm whose limits do not depend on the position [rad/s^2]: so large
+# that it matters only in the last 4 microradians before a position limit.
 _NO_DECELERATION_LIMIT = 1e6
 
 
@@ -38,14 +38,15 @@ def write_robot_model(description: RobotFiles, limits: ArmLimits, name: str) -> 
     Raises:
         RobotDescriptionError: The URDF does not describe a Franka arm.
     """
-    # Refuses what is no Franka arm, whose kinematics are written as they are known.
+    # Refuses any other arm: the kinematics that are written are a Franka's.
     read_bodies(description)
     prefix, links = find_prefix(description), load_urdf(description).links
     robot = ElementTree.Element("robot", name=name)
     for number in range(DOF + 2):
         link = ElementTree.SubElement(robot, "link", name=f"link{number}")
         found = links.get(f"{prefix}link{number}")
-        # What a URDF fixes to the flange is the end effector of the state.
+        # Bodies that a URDF fixes to the flange belong to the end effector of the
+        # state.
         if found is not None and found.inertial is not None and number <= DOF:
             _add_inertial(link, found.inertial)
     for number in range(1, DOF + 2):

@@ -1,17 +1,17 @@
 """One client of an arm: its requests, its motion, and the answers; no sockets.
 
     CONNECT, once and first          -> SUCCESS, or INCOMPATIBLE_LIBRARY_VERSION
-    MOVE                             -> MOTION_STARTED now, and how it ended later
+    MOVE                             -> MOTION_STARTED now, the outcome at its end
     MOVE, asynchronous               -> the same; the arm plans, see below
     the client finishes the motion   -> SUCCESS
     STOP_MOVE                        -> PREEMPTED to the motion, SUCCESS to the stop
     an error of the arm              -> REFLEX_ABORTED
     the user stop                    -> EMERGENCY_ABORTED
-    a command that is no command     -> INPUT_ERROR_ABORTED
+    an invalid command               -> INPUT_ERROR_ABORTED
     AUTOMATIC_ERROR_RECOVERY         -> when the recovery is over
 
-A motion that ends is shown by a state before its answer goes out: clients take the
-errors that they tell from the last state that they have read.
+A state shows the end of a motion before the answer goes out: clients report the errors
+of the last state that they have read.
 
 An asynchronous motion has one command per target instead of one per cycle, and cycles
 without a command are no loss: the arm plans its way to the newest target.
@@ -135,7 +135,7 @@ SETTERS: Mapping[Command, Callable[[RobotArm, Mapping[str, Any]], None]] = {
     Command.SET_LOAD: _set_load,
     Command.SET_FILTERS: _set_filters,
 }
-"""What changes a setting of the arm: `setter(arm, fields of the request)`.
+"""Function that changes each setting of the arm: `setter(arm, fields of the request)`.
 
 Each raises `InvalidCommandError` for impossible values, and `ArmCommandError` when the
 arm cannot change the setting now."""
@@ -218,14 +218,15 @@ _TAKEN = "The controllers of the station command the arm, or the station is stop
 
 
 def _no_library(_architecture: int, _system: int) -> None:
-    """Have no library for anybody."""
+    """Return None: there is no library."""
 
 
 class RobotSession:
-    """Serves one client; a new one for the next client. Control thread.
+    """Serves one client; each client gets a new session. Control thread.
 
-    Per cycle of the arm: `before_cycle`, the arm's `read_once`, `after_cycle`, and then
-    `state` once. `receive` and `receive_command` in between, with what has arrived.
+    Calls per cycle of the arm: `before_cycle`, the arm's `read_once`, `after_cycle`,
+    and then `state` once. `receive` and `receive_command` are called in between, with
+    the bytes that have arrived.
 
     Args:
         arm: The arm.
@@ -295,7 +296,7 @@ class RobotSession:
             data: The next bytes.
 
         Raises:
-            FciProtocolError: The connection must end.
+            FciProtocolError: The client broke the protocol; the connection must end.
         """
         return b"".join(self._answer(request) for request in self._reader.feed(data))
 
@@ -348,12 +349,12 @@ class RobotSession:
         """Return the arm's state as a message; the same memory at every call.
 
         Args:
-            message_id: Its number, which grows by 1 per cycle of the arm.
+            message_id: Number of the message, which grows by 1 per cycle of the arm.
         """
         return self._writer.write(message_id, self._generator, self._controller)
 
     def preempt(self) -> bytes:
-        """Take the arm away from the client; return the end of its motion."""
+        """Take the arm away from the client; return the answer that ends its motion."""
         return self._end_motion(MoveStatus.PREEMPTED)
 
     def close(self) -> None:
@@ -429,7 +430,7 @@ class RobotSession:
         return self._say(request, MoveStatus.MOTION_STARTED)
 
     def _problem_of(self, values: Mapping[str, Any]) -> str | None:
-        """Return the reason why no arm makes such a motion; None if one can."""
+        """Return the reason why no arm can make such a motion; None if an arm can."""
         controller, generator = (
             values["controller_mode"],
             values["motion_generator_mode"],

@@ -19,7 +19,7 @@ PAGE_BYTES = _NUMBERS + 6 * _SLOT
 
 
 class SharedPage:
-    """States and answers go one way, commands the other.
+    """Carries states and answers in one direction, commands in the other.
 
     Args:
         memory: At least `PAGE_BYTES` writable bytes from `start` on, zero at first.
@@ -49,7 +49,7 @@ class SharedPage:
         return self._find(_STATE, number)
 
     def put_command(self, datagram: bytes) -> None:
-        """Leave a command that is as long as one. Server's process."""
+        """Leave a command; drop bytes of another length. Server's process."""
         if len(datagram) in self._command_sizes:
             self._put(_COMMAND, datagram)
 
@@ -70,7 +70,7 @@ class SharedPage:
         self._put(_ANSWERS, data)
 
     def take_answers(self) -> bytes:
-        """Return the answers that were left; none if there are none. Server's side."""
+        """Return the answers that were left, or no bytes. Server's process."""
         number = self._numbers[_ANSWERS]
         if number == self._numbers[_SIZES - 1]:
             return b""

@@ -35,7 +35,7 @@ class GripperStatus(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class GripperProtocol:
-    """One version of the protocol of a hand; as `RobotProtocol`.
+    """One version of the protocol of a hand, like `RobotProtocol` for an arm.
 
     Attributes:
         version: Number that a client names when it connects.

@@ -1,4 +1,4 @@
-"""Requests and answers as bytes, and out of a stream of bytes."""
+"""Convert requests and answers to bytes, and read them from a stream of bytes."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -62,8 +62,8 @@ class Answer(Generic[_Command]):
     Attributes:
         command: The answered command.
         command_id: Number of the request.
-        status: The status, one of those of the command, whatever its number is in the
-            version that is spoken; `UNKNOWN` if the version does not have it.
+        status: The status, numbered alike in all versions; `UNKNOWN` if the version
+            that is spoken does not have it.
         values: All fields, the status as its number on the wire.
         rest: Bytes behind the fields, e.g. a model library.
     """
@@ -106,7 +106,8 @@ class Frames(Generic[_Kind]):
         head_size = self._header.size
         while len(self._received) >= head_size:
             head = self._header.unpack(self._received[:head_size])
-            # Before the body is there: the size of a foreign head means nothing.
+            # Checked before the body has come: the size in a foreign head means
+            # nothing.
             kind = self._kind_of(head)
             if len(self._received) < head["size"]:
                 return
@@ -161,7 +162,7 @@ class Messages(Generic[_Command]):
             data: The next bytes of the stream.
 
         Raises:
-            FciProtocolError: The stream has no answer of the protocol in it.
+            FciProtocolError: A message in the stream is no answer of the protocol.
         """
         for (command, exchange), number, body in self._frames.feed(data):
             response = exchange.response

@@ -133,8 +133,8 @@ class MoveGenerator(IntEnum):
 
 
 NO_GENERATOR = 0
-"""`motion_generator_mode` of a state without a motion; with one it is the number of
-`MoveGenerator` and 1 more."""
+"""`motion_generator_mode` of a state without a motion; with a motion it is the number
+of the `MoveGenerator` plus 1."""
 NO_CONTROLLER = 3
 """`controller_mode` of a state without a motion."""
 
@@ -162,7 +162,7 @@ _POSITION_LIMITS = (
 MERGED_INTO = "joint_position_limits_violation"
 """The error that newer versions have in place of some others."""
 UNKNOWN = 255
-"""What a status is that the version does not have."""
+"""Status in place of a status that the version does not have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,9 +366,9 @@ _SPOKEN = {
     "single precision":           ".....x",
     "position limits":            "xxxx..",
 }  # fmt: skip
-"""What not all versions have: commands, statuses, the generator `NONE`, fields, numbers
-of the state in single precision, and errors of their own for the position limits of
-commanded motions."""
+"""The parts that some versions lack: commands, statuses, the generator `NONE`, fields,
+numbers of the state in single precision, and errors of their own for the position
+limits of commanded motions."""
 
 
 def _has(version: int, name: str) -> bool:

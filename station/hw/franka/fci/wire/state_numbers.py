@@ -26,8 +26,8 @@ class StateNumbers:
         state: The state.
 
     Attributes:
-        accelerations: Those in the message [m/s^2], shape (36,); (0,) in versions
-            without accelerometers.
+        accelerations: Accelerations in the message [m/s^2], shape (36,); (0,) in
+            versions without accelerometers.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class StateNumbers:
         self._rate = layout.offsets[_LAST_NUMBER]
         size = layout.size - self._rate
         self._number = struct.Struct("<f" if size == _SINGLE else "<d")
-        # Which double of the state's block each number of the message is.
+        # Index in the state's block of each number of the message.
         indices: list[int] = []
         self._masses: list[tuple[str, int]] = []
         for name, offset in layout.offsets.items():
@@ -51,7 +51,7 @@ class StateNumbers:
         self._indices = np.array(indices)
         self._block = np.asarray(state.arrays())
         self._doubles = np.empty(len(indices))
-        # The masses are no numbers of the block: whoever reads leaves them out.
+        # The masses are not in the block: `read` leaves them out there.
         masses = [place for _, place in self._masses]
         self._of_arrays = np.delete(np.arange(len(indices)), masses)
         self._in_block = self._indices[self._of_arrays]

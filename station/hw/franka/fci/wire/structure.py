@@ -45,7 +45,7 @@ class Structure:
 
         Raises:
             KeyError: There is no field of such a name.
-            ValueError: A value has another number of numbers than its field.
+            ValueError: A value does not have as many numbers as its field.
             struct.error: A number does not fit into its field.
         """
         for name in values:
