@@ -183,3 +183,5 @@ def test_the_keyboard_alone_leads_from_the_login_to_stop(
     assert wait_until(lambda: client.status().stop_state == "stopped")
     keyboard.up("Enter")
     allow_motion(client)
+    # The name is asked once: lessons have it, too.
+    assert login.locator("st-lessons input.name").input_value() == "ada"

@@ -21,10 +21,10 @@ function markdown(text) {
 customElements.define("st-lessons", class LessonBook extends Panel {
   build() {
     const name = () => {
-      kept.set("student", this.person.value.trim());
+      kept.set("person", this.person.value.trim());
       this.list();
     };
-    this.person = h("input", { class: "name", placeholder: "your name", value: kept.get("student", ""), ariaLabel: "Name of the student", onchange: name });
+    this.person = h("input", { class: "name", placeholder: "your name", value: kept.get("person", ""), ariaLabel: "Name of the student", onchange: name });
     const choose = () => {
       this.result = null;
       this.refresh();
