@@ -14,7 +14,7 @@ import cython
 
 from station.core.franka.joint_memory import JointMemory
 from station.hw.mujoco.simulator_memory import SimulatorMemory
-from station.memory.doubles import own, put
+from station.memory.doubles import elements, own, put
 from station.memory.vectors import copy_into
 
 
@@ -118,11 +118,15 @@ class JointMotors:
         stiffness, damping = self.stiffness, self.damping
         simulator = self.simulator
         bias, compensation = simulator.bias, simulator.compensation
+        if not cython.compiled:
+            bias, compensation = elements(bias), elements(compensation)
         if is_late:
             # The stored motion belongs to another motion: the motors would jump to it.
             if self.is_new:
                 self.note_motion()
             q_d, dq_d, ddq_d = self.late_q, self.late_dq, self.late_ddq
+        elif not cython.compiled:
+            q_d, dq_d, ddq_d = elements(q_d), elements(dq_d), elements(ddq_d)
         inertia, diagonal = simulator.inertia, simulator.diagonal
         controls, load = simulator.controls, self.load_weight
         tau_d, limits = memory.tau_J_d, self.limits
@@ -172,6 +176,9 @@ class JointMotors:
         else:
             # The same without a Python call around it.
             memory.last_tau_J[:] = tau
+            dtheta, velocities = elements(dtheta), elements(velocities)
+            motor_forces, brake_forces = elements(motor_forces), elements(brake_forces)
+            compensation = elements(compensation)
         for i in range(self.size):
             velocity, force = velocities[i], motor_forces[i]
             before, damper = dtheta[i], damping[i]
@@ -190,7 +197,7 @@ class JointMotors:
             copy_into(dtheta, 0, velocities, self.size)
         else:
             memory.q[:] = memory.positions[:] = positions
-            memory.dq[:] = dtheta[:] = velocities
+            memory.dq[:] = memory.dtheta[:] = simulator.velocities
 
     def differentiate(self) -> None:
         """Write the rates of the torques; not in every cycle, because few read them."""

@@ -5,6 +5,8 @@ faster, or farther away, than if all joints turned about the same axis. The end 
 is computed only if that sum exceeds its limits.
 """
 
+import cython
+
 from station.core.franka.joint_memory import JointMemory
 from station.core.numerics.arm_chain import (
     new_links,
@@ -28,7 +30,7 @@ from station.hw.franka.simulated.violations import (
     WALL,
     Violations,
 )
-from station.memory.doubles import Doubles, own, zeros
+from station.memory.doubles import Doubles, elements, own, zeros
 from station.memory.functions import square_root
 
 # Larger than any distance of an end effector from a joint axis [m].
@@ -113,6 +115,8 @@ class JointWatch:
         """
         memory, violations = self.memory, self.violations
         q, dq, tau, q_d = memory.positions, memory.dtheta, memory.tau_J, memory.q_d
+        if not cython.compiled:
+            q, dq, tau, q_d = elements(q), elements(dq), elements(tau), elements(q_d)
         lower, upper, largest = self.lower, self.upper, self.torque
         slowest, fastest = self.slowest, self.fastest
         total = power = away = 0.0
