@@ -118,8 +118,6 @@ class JointMotors:
         stiffness, damping = self.stiffness, self.damping
         simulator = self.simulator
         bias, compensation = simulator.bias, simulator.compensation
-        if not cython.compiled:
-            bias, compensation = elements(bias), elements(compensation)
         if is_late:
             # The stored motion belongs to another motion: the motors would jump to it.
             if self.is_new:
@@ -127,6 +125,7 @@ class JointMotors:
             q_d, dq_d, ddq_d = self.late_q, self.late_dq, self.late_ddq
         elif not cython.compiled:
             q_d, dq_d, ddq_d = elements(q_d), elements(dq_d), elements(ddq_d)
+            bias, compensation = elements(bias), elements(compensation)
         inertia, diagonal = simulator.inertia, simulator.diagonal
         controls, load = simulator.controls, self.load_weight
         tau_d, limits = memory.tau_J_d, self.limits
