@@ -183,7 +183,12 @@ class JointTracking:
         self._velocity.set_bound(index, velocity)
 
     def load_spline(self, k: int, spline: Storage) -> None:
-        """Let joint `k` follow a spline, shape (8,)."""
+        """Let joint `k` follow a spline.
+
+        Args:
+            k: Index of the joint.
+            spline: Its eight numbers, see `sample_splines`.
+        """
         for i in range(8):
             self._splines[8 * k + i] = spline[i]
 

@@ -327,7 +327,10 @@ def _with_parents(module: str) -> list[str]:
 def default_loaders(
     table: Mapping[str, str], modules: Collection[str] | None = None
 ) -> list[ControllerLoader]:
-    """Return the usual loaders: `table`, installed packages, `module:Class`.
+    """Return the loaders of a station, in the order in which they are asked.
+
+    The first one knows the types of `table`, the second one those of installed
+    packages, and the last one types of the form `module:Class`.
 
     Args:
         table: Type to `module:Class`.

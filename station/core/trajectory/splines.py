@@ -19,7 +19,9 @@ def sample_splines(splines: Storage, time: float, states: Doubles) -> bool:
     Before its start and after its end, a spline rests at the nearer end.
 
     Args:
-        splines: The splines one after the other, shape (8 n,).
+        splines: The splines one after the other, shape (8 n,). Each one has its start
+            and duration [s], then the coefficients of the powers 0 to 5 of the time
+            since its start.
         time: The time [s].
         states: Receives n positions, then n velocities, then n accelerations,
             shape (3 n,).

@@ -22,7 +22,10 @@ def _names(infos: Sequence[ControllerInfo]) -> str:
 
 
 class RecordedRobot(RobotHW):
-    """Records every call of a hook; answers by its script, or else yes and DONE."""
+    """Notes every call of a hook in `trace`, and answers with the next scripted result.
+
+    When no scripted result is left, a switch is possible, and done.
+    """
 
     def __init__(self) -> None:
         super().__init__()
