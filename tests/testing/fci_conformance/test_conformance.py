@@ -74,7 +74,7 @@ def test_arm_that_tells_no_gravity_and_has_no_model_is_found_out(
     gravity = rows["gravity is told"]
     assert gravity["result"] == "failed"
     assert gravity["seen"] == "(0, 0, 0) m/s²"
-    assert "expected: O_ddP_O of 9.81 m/s²" in capsys.readouterr().out
+    assert "expected: O_ddP_O is 9.81 m/s²" in capsys.readouterr().out
     assert rows["model library is sent"]["result"] == "failed"
 
 
