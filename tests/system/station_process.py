@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from tests.waiting import wait_until
@@ -91,9 +92,11 @@ class StationProcess:
 
         def found():
             for pid in self.children():
-                words = Path(f"/proc/{pid}/cmdline").read_text().split("\0")
-                if part in words or f"station.app.{part}" in words:
-                    return pid
+                # It may have ended since it was listed.
+                with suppress(FileNotFoundError, ProcessLookupError):
+                    words = Path(f"/proc/{pid}/cmdline").read_text().split("\0")
+                    if part in words or f"station.app.{part}" in words:
+                        return pid
             return None
 
         return self._wait_for(found, f"there is no {part}")

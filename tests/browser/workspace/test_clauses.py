@@ -230,7 +230,9 @@ def test_the_hand_is_jogged_while_a_button_is_held(workspace, client):
     up.hover()
     workspace.page.mouse.down()
     assert wait_until(lambda: panda.state().O_T_EE[14] > before + 0.015)
-    assert client.last_command(jog).last[2] == pytest.approx(0.08)
+    # A page that stutters lets go, and takes the button up again.
+    fast = pytest.approx(0.08)
+    assert wait_until(lambda: client.last_command(jog).last[2] == fast)
     workspace.page.mouse.up()
     assert wait_until(lambda: abs(max(panda.state().dq, key=abs)) < 0.01)
     dock.get_by_text("Hand: jog and target").click()
