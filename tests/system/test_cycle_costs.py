@@ -12,8 +12,6 @@ from station.compiled import SWITCH, find_misfit
 from tests.system.station_process import ROOT
 
 BOUNDS = yaml.safe_load((ROOT / "tests" / "data" / "cycle_costs.yaml").read_text())
-
-
 TRIES = 5
 """Other programs on the machine make a measurement worse, and none makes it better."""
 
