@@ -39,7 +39,8 @@ def given_or_zeros(memory: Doubles | None, size: int) -> Doubles:
 elements = cast("Callable[[Doubles], Doubles]", memoryview.tolist)
 """Copy a view to a list, for loops in interpreted mode that only read.
 
-To copy seven elements and to read the list takes half the time of reading the view.
+The copy and the reads of a list need fewer instructions than the reads of a view: a
+cycle of a resting arm has 2.7 % fewer of them this way.
 """
 
 
