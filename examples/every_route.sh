@@ -248,7 +248,7 @@ curl -H "$AUTH" "$API/events?severity=warning"
 
 # Alarms
 curl -H "$AUTH" $API/alarms
-curl -H "$AUTH" -X POST $API/alarms/3/acknowledge     # 404: no alarm has this number
+curl -H "$AUTH" -X POST $API/alarms/1000/acknowledge  # 404: no alarm has this number
 
 # Plot layouts
 curl -H "$AUTH" -H "$JSON" -X PUT $API/plot-layouts/torques -d '{"plots": [{"keys": ["effort/panda_joint1", "effort/panda_joint2"], "transform": "smooth"}]}'
