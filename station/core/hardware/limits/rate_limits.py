@@ -9,8 +9,8 @@ The limits act against the velocity and acceleration of the last cycle. They are
 in this order, so that the later ones win:
 
 1. jerk: the acceleration changes by at most `j_max * period`;
-2. acceleration: at most `a_max`, and less towards `v_max` so that jerk can hold there;
 2. acceleration: at most `a_max`, and less near `v_max` so that the jerk limit can hold;
+3. velocity: at most `v_max`;
 4. range: the joint can still stop at the bound with `a_max`; outside its range it may
    only move back towards it.
 
