@@ -43,8 +43,8 @@ from station.memory.doubles import Storage, doubles
 _PATIENCE = 30.0
 """How long the process may take to start and to initialise the controller [s]."""
 _GRACE = 1.0
-"""Time beyond the limit after which the process of an update is ended [s]. It is wall
-time; station time may stand still meanwhile."""
+"""Time after an update's time limit at which its process is ended [s]. It is wall time,
+because station time may stand still."""
 
 
 class AsyncProcessError(StationError, RuntimeError):
@@ -78,7 +78,8 @@ class _Answer(NamedTuple):
     """The results of a callback.
 
     Attributes:
-        error: Exception of the callback, None if it cannot be sent, and its text.
+        error: Exception of the callback, or None if it cannot be sent, with its text;
+            None if the callback succeeded.
         memory: Content of all storages, as bytes of doubles.
         sample: The sample of the controller.
         messages: Its published messages.
@@ -118,7 +119,7 @@ class ProcessUpdate(AsyncUpdate):
         controller: The controller, initialised over private copies.
         params: Policy, cycles and time limit of the updates.
         private: The copies.
-        outputs: (storage, index) of the commands that it has claimed.
+        outputs: (storage, index) of the commands that the controller has claimed.
         namespace: The controller's namespace.
 
     Raises:
@@ -160,7 +161,7 @@ class ProcessUpdate(AsyncUpdate):
 
     @override
     def close(self) -> None:
-        """End the process, whatever it does."""
+        """End the process, even in the middle of a callback."""
         self._end_process()
 
     @override
@@ -180,8 +181,8 @@ class ProcessUpdate(AsyncUpdate):
         """Have the process carry out a callback, and take over its results.
 
         Raises:
-            AsyncProcessError: The process has ended, does not answer, or is that of
-                another station.
+            AsyncProcessError: The process has ended, does not answer, or belongs to the
+                station of which this station is a copy.
             BaseException: Whatever the callback raised.
         """
         if os.getpid() != self._owner:
@@ -323,7 +324,7 @@ def _bytes_of(storage: Storage) -> bytes:
 
 
 def _fill(storages: list[Storage], memory: bytes) -> None:
-    """Put content into storages that `_bytes_of` has taken out of them."""
+    """Write bytes, as `_bytes_of` returns them, into the storages."""
     numbers, at = memoryview(memory).cast("d"), 0
     for storage in storages:
         part = numbers[at : at + len(storage)]

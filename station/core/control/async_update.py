@@ -64,8 +64,8 @@ class AsyncUpdate(AsyncFunction):
     Args:
         controller: The controller, initialised over private copies.
         params: Policy, cycles and time limit of the updates.
-        storages: Every storage that it uses, with its private copy.
-        outputs: (storage, index) of the commands that it has claimed.
+        storages: Every storage that the controller uses, with its private copy.
+        outputs: (storage, index) of the commands that the controller has claimed.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class AsyncUpdate(AsyncFunction):
         """Start the controller with the states of this cycle.
 
         Raises:
-            ControllerStateError: The last update of the run before has not ended.
+            ControllerStateError: The last update of the previous run has not ended.
         """
         if not self.is_idle():
             raise ControllerStateError(

@@ -98,7 +98,7 @@ class ReferenceHandle(ResourceHandle):
         """Set the reference, in its unit.
 
         Raises:
-            InvalidCommandError: The command is no number.
+            InvalidCommandError: The command is not a number.
         """
         try:
             self.storage[self.index] = command
@@ -152,7 +152,7 @@ class ExportedStateHandle(ResourceHandle):
 
 
 class ExportedStateInterface(HardwareResourceManager[ExportedStateHandle]):
-    """States that loaded controllers export; any number of controllers may read each.
+    """States that loaded controllers export; several controllers may read the same.
 
     A claim names a reader of the state, and gives no right to write it.
     """

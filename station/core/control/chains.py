@@ -1,4 +1,4 @@
-"""Chains of controllers: which one commands whose references, and in which order.
+"""Chains of controllers that command references of others, and their order.
 
 A preceding controller claims references that its following controllers export. It is
 loaded after them, so chains have no circles.
@@ -58,7 +58,7 @@ _STATES = interface_type_name(ExportedStateInterface)
 
 
 class ChainedRobotHW(RobotHW):
-    """The robot with the exports of loaded controllers, for the next one's `init`.
+    """The robot with the exports of loaded controllers, for the next `init`.
 
     Args:
         hw: The robot.
@@ -187,7 +187,7 @@ def find_conflicts(
 
 
 def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
-    """Return the exports and the following controllers of each one. Any thread."""
+    """Return exports and following controllers of each controller. Any thread."""
     found = []
     for one in loaded:
         controller, name = one.controller, one.info.name

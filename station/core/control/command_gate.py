@@ -231,7 +231,7 @@ class CommandGate:
         return changed
 
     def forget_rest(self) -> None:
-        """Let resources without an owner rest anew when owners are noted next.
+        """Make `note_owners` renew rest commands of resources without an owner.
 
         Called when a simulated world was put into another state.
         """
@@ -276,7 +276,7 @@ class CommandGate:
     def find_intrusion(
         self, one: "LoadedController", loaded: "Iterable[LoadedController]"
     ) -> str | None:
-        """Return a command that a call of `one` has written without owning it.
+        """Return a command that `one` does not own and has written in a call.
 
         Called after every update while the gate traces. Foreign writes are put back.
 

@@ -93,7 +93,7 @@ class CommandGuard:
         """Return the jump of each command.
 
         It is the distance from the last command, or from the range between rest and the
-        present motion if that is nearer: such a command slows the robot down.
+        present motion if that range is nearer: a command in it slows the robot down.
         """
         steps: list[float] = []
         for position, (storage, index) in enumerate(self.slots):

@@ -48,8 +48,7 @@ class ControllerState(Enum):
 class ControllerSample:
     """Desired values, measurements and commands of one cycle, shape (n,) each.
 
-    A sample never changes. It has the fields of a named tuple, which `_fields` names
-    and `_asdict` returns.
+    A sample never changes. Like a named tuple, it has `_fields` and `_asdict`.
 
     Args:
         stamp: Station time of the cycle [s].
@@ -136,7 +135,7 @@ class JointStates(NamedTuple):
 
 
 class PackedSample(ControllerSample):
-    """A sample in one block of memory, which makes its lists when they are read.
+    """A sample in one block of memory; its lists are made when they are read.
 
     Args:
         stamp: Station time of the cycle [s].

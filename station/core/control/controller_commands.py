@@ -84,7 +84,7 @@ class ControllerCommands:
             guard.write_rest()
 
     def put_back_claims(self, claims: set[tuple[str, str]]) -> None:
-        """Write the commands that some claims had before the start.
+        """Write the commands that some claimed resources had before the start.
 
         Args:
             claims: (hardware interface, resource) of each claim.

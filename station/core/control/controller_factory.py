@@ -41,7 +41,8 @@ class ControllerType:
         type: The type, usually `package/Class`.
         base_class: Name of the class of plugins that it belongs to.
         description: First line of the docstring of its class; empty without one.
-        parameters: The parameters of every controller, and those that it declares.
+        parameters: The parameters of every controller, and those that the type
+            declares.
         error: Why its class cannot be imported; None when it can.
     """
 
@@ -92,7 +93,7 @@ class ControllerFactory:
 
     Args:
         hw: The robot.
-        parameters: Namespace in which every controller has a namespace of its name.
+        parameters: Namespace in which each controller's parameters are under its name.
         loaders: The sources of controllers, asked in this order.
     """
 
@@ -143,8 +144,9 @@ class ControllerFactory:
         Args:
             name: Name of the controller, and of its namespace.
             loaded: The loaded controllers, whose references the new one may claim.
-            strict: Whether to refuse a parameter that the type does not know. If false,
-                and for a type that declares no parameters, it is only noted.
+            strict: Whether to refuse a parameter that the type does not know. The
+                parameter is only noted if this is false, or if the type declares no
+                parameters.
 
         Raises:
             ParameterError: Its type or a parameter is missing or impossible (CM-23), or

@@ -38,7 +38,8 @@ class ControllerLifecycle:
 
     Attributes:
         gate: Keeps the commands with their owners.
-        components: The hardware components and their states; not active before `begin`.
+        components: The hardware components and their states; none is active before
+            `begin`.
         loaded: All loaded controllers in load order; replaced as a whole.
         start_gate: Called before anything is started; raises a StationError when
             nothing may start. None when there is no such rule.
@@ -77,7 +78,7 @@ class ControllerLifecycle:
         """Void every set-point that has not been picked up, and every goal.
 
         Args:
-            reason: Why, one sentence; the goals that end say it.
+            reason: Why, one sentence; the results of the goals contain it.
         """
         for one in self.loaded:
             controller = one.controller
@@ -98,8 +99,9 @@ class ControllerLifecycle:
         Args:
             one: The controller; it may be running already (CM-48, CM-51).
             time: Station time [s].
-            stopped: Controllers stopped in the same cycle; commands of resources that
-                they had, through the same interface, go on from the last command.
+            stopped: Controllers stopped in the same cycle; a command of a resource that
+                one of them had, through the same interface, continues from the last
+                command.
             jump: Receives the jump of the commands, by resource.
         """
         controller = one.controller
@@ -202,7 +204,7 @@ class ControllerLifecycle:
         return self.start(one, time, stopped, {})
 
     def check_first_update(self, one: LoadedController, time: float) -> None:
-        """Check the first update's command for a jump, as `start` checked the first."""
+        """Check the command of the first update for a jump, as after `starting`."""
         one.fresh = False
         if self._is_to_move(one):
             return
@@ -212,7 +214,7 @@ class ControllerLifecycle:
             self.fall_back(one, time)
 
     def _is_to_move(self, one: LoadedController) -> bool:
-        """Return whether the controller or one that commands it got a set-point."""
+        """Return whether `one` or a controller that commands it got a set-point."""
         return one.got_set_point() or any(
             self._is_to_move(other)
             for other in self.loaded
@@ -310,7 +312,7 @@ class ControllerLifecycle:
         Called at the end of a cycle in which a controller has started or stopped, so
         that no preceding controller runs without its following ones when the commands
         are written. A preceding controller that replaces another one in the same cycle
-        continues from the references of that one.
+        continues from that controller's references.
         """
         broken: list[LoadedController] = []
         # From the hardware upwards: a chain that ends may break the one above it.
@@ -380,7 +382,7 @@ class ControllerLifecycle:
         return problem
 
     def fall_back(self, failed: LoadedController, time: float) -> None:
-        """Start the fallback of `failed` in this cycle; without one its joints rest."""
+        """Start the fallback of `failed` in this cycle; without it the joints rest."""
         replacements = self._replacements(failed)
         if not replacements:
             return

@@ -95,8 +95,8 @@ def _package(name: str) -> str:
 def _of_package(name: str) -> list[str]:
     """Return the imported modules whose changes matter to `name`.
 
-    These are all modules of its package. For a module of the station itself it is that
-    module only, because its package is the whole station.
+    These are all modules of the same package. For a module of the station itself only
+    that module matters, because its package is the whole station.
     """
     package = _package(name)
     if package == _package(__name__):
@@ -183,7 +183,7 @@ class ControllerLoader(ABC):
     def reload(self) -> None:
         """Forget imported code, so that the next `create` reads it anew.
 
-        By default there is none to forget.
+        By default a loader has no code to forget.
         """
         return
 
@@ -270,7 +270,8 @@ class EntryPointLoader(ControllerLoader):
 class ClassLoader(ControllerLoader):
     """Creates the class that a type written `module:Class` names.
 
-    Importing a module runs its code, so a station for several users gives a list.
+    Importing a module runs its code, so a station for several users should limit the
+    modules.
 
     Args:
         allowed: Modules that may be imported, with their submodules; any module when

@@ -55,21 +55,21 @@ __all__ = ["ControllerManager", "ControllerStatus"]
 CONTROLLER_MANAGER = "controller_manager"
 """Namespace of the manager's own parameters, as in files of ROS 2."""
 _PATIENCE = 0.004
-"""Longest wait of a list for the end of a switch [s]: the event loop that asks for the
-list also answers the stop."""
+"""Longest time that a list of controllers waits for the end of a switch [s]. It is
+short because the event loop that asks for the list also answers the stop."""
 
 
 class ControllerManager:
     """The controllers of one robot.
 
-    `update`, `stop_all` and `samples` are for the control thread. Everything else is
-    for any other thread: it waits for other callers if need be, and either succeeds as
-    a whole or raises and changes nothing.
+    `update`, `stop_all` and `samples` are for the control thread. All other methods are
+    for any other thread: they wait for other callers if need be, and either succeed as
+    a whole or raise and change nothing.
 
     Args:
         hw: The robot, initialised.
-        parameters: Namespace in which every controller has a namespace of its name.
-        loaders: Source of controllers; asked in this order.
+        parameters: Namespace in which each controller's parameters are under its name.
+        loaders: The sources of controllers, asked in this order.
         clock: Wall time.
 
     Raises:
@@ -133,7 +133,7 @@ class ControllerManager:
 
     @property
     def command_violations(self) -> tuple[int, str | None]:
-        """Return the number of commands written without a claim, and the last such."""
+        """Return the number of commands written without a claim, and the last one."""
         gate = self.lifecycle.gate
         return gate.violations, gate.last_violation
 
@@ -214,9 +214,9 @@ class ControllerManager:
     def announce(self, name: str, *, strict: bool = False) -> Iterator[Loading]:
         """Reserve a name for a controller to be loaded, as long as the context lasts.
 
-        `finish_loading` loads the controller. A caller that changes the parameters of
-        the name before can put them back if that fails: no other caller loads the name
-        meanwhile.
+        `finish_loading` loads the controller. A caller may change the parameters of the
+        name before, and put them back if the loading fails: no other caller loads the
+        name meanwhile.
 
         Raises:
             ControllerExistsError: That name is loaded already (CM-22), or being loaded.
@@ -393,7 +393,7 @@ class ControllerManager:
             return names
 
     def chains(self) -> ControllerChains:
-        """Return the chains: the controllers that each one commands or reads."""
+        """Return for each controller the controllers that it commands or reads."""
         return chains_report(self.lifecycle.loaded)
 
     def controller_statistics(self) -> list[ControllerStatistics]:

@@ -33,8 +33,8 @@ LATE_UPDATES = 100
 single one may be due to another process that had the processor."""
 LONGEST_UPDATE = 0.25
 """Duration of an update that counts as a stall [s]: the second stall within
-`STALL_MEMORY` stops the controller. A single one may be due to the machine, too: it may
-keep the thread that has the interpreter lock off the processor for so long."""
+`STALL_MEMORY` stops the controller. A single stall may be due to the machine, which may
+keep the thread that has the interpreter lock off the processor for that long."""
 STALL_MEMORY = 10.0
 """Time for which a stall counts [s station time]."""
 
@@ -76,8 +76,8 @@ class ControllerUpdate:
     Attributes:
         lifecycle: As given.
         gate: Keeps the commands with their owners; knows which controllers run.
-        interrupted: Names of the controllers that were stopped, the last time that the
-            robot did not carry out their commands.
+        interrupted: Names of the controllers that were stopped when the robot last did
+            not carry out their commands.
         changes: Marks the changes of the running controllers.
         update_budget: How long an update may take [s]; infinite without a budget.
         cycle: Number of cycles.

@@ -6,7 +6,7 @@
 
 Source: ros2_control@6.x hardware_interface/doc/lifecycle_of_a_hardware_component.rst,
 src/resource_manager.cpp, ResourceManager::set_component_state; differs: a component
-that is in use is not deactivated under its controllers.
+that running controllers command is not deactivated.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -67,7 +67,7 @@ class _LiveComponent:
         return resource in one.robot.get_interface_resources(hardware_interface)
 
     def steps(self, target: ComponentState) -> list[tuple[str, ComponentState]]:
-        """Return the hooks that lead to another state, each with the state it leads to.
+        """Return the hooks that lead to another state, each with the state after it.
 
         Raises:
             HardwareComponentError: The component is finalized.

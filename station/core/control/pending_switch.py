@@ -44,7 +44,7 @@ class PendingSwitch:
         failed: By name, why a controller is not as requested.
         given_up: Names that failed by themselves and are not tried again.
         not_restored: By name, why a controller that ran before does not run again.
-        jump: Step of the first command by resource.
+        jump: By resource, the jump of its first command.
         expired: Whether to give up waiting for the hardware; set by the caller.
         error: The switch is refused with this error; None if it is not refused.
         outcome: How it ended.
@@ -85,7 +85,7 @@ class PendingSwitch:
         self.done.release()
 
     def note_start(self, name: str, problem: str | None) -> None:
-        """Note that the controller `name` was started; otherwise note `problem`."""
+        """Note that `name` was started, or the `problem` that prevented the start."""
         if problem is not None:
             self.failed[name] = problem
             self.given_up.add(name)
@@ -140,7 +140,7 @@ class PendingSwitch:
         )
 
     def _with_outcome(self, error: StationError) -> StationError:
-        """Return the refusal with the controllers that do not run again."""
+        """Return the refusal, with the controllers that do not run again added."""
         for name, problem in self.not_restored.items():
             error.message += (
                 f" '{name}' could not be started again: {problem.rstrip('.')}."

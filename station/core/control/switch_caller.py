@@ -75,12 +75,12 @@ class SwitchCaller:
         """Let one switch at a time ask the robot.
 
         Args:
-            bound: How long to wait for the switch before [s wall time].
+            bound: How long to wait for the previous switch [s wall time].
 
         Raises:
             ControllerStateError: The caller is a hook of the robot, or a policy, that
                 is being asked about another switch.
-            SwitchTimeoutError: The switch before is not finished in time.
+            SwitchTimeoutError: The previous switch is not finished in time.
         """
         here = threading.get_ident()
         if self._switcher == here:

@@ -246,7 +246,7 @@ class SwitchTransaction:
                 self._pending.failed[one.info.name] = str(one.fault)
 
     def _keep_unreleased(self, problem: str) -> None:
-        """End a switch that only stops, on hardware that did not carry it out."""
+        """End a switch that only stops and that the hardware did not carry out."""
         if not self._pending.stop:
             # No controller is in the switch, so `failed` cannot give the reason.
             self._pending.error = SwitchRefusedError(

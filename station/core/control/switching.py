@@ -42,7 +42,7 @@ class Strictness(Enum):
 
     @property
     def follows_chains(self) -> bool:
-        """True if controllers that its chains need are added to a request."""
+        """True if the controllers that a request's chains need are added to it."""
         return self in {Strictness.AUTO, Strictness.FORCE_AUTO}
 
 
@@ -54,7 +54,7 @@ class SwitchOutcome(Enum):
     """The outcomes of a switch; see `switch_transaction.py`."""
 
     COMMITTED = "committed"
-    """What could be done was done; `failed` gives the reasons for the rest."""
+    """All that was possible was done; `failed` gives the reasons for the rest."""
     ROLLED_BACK = "rolled_back"
     """The controllers that ran before run again, in the same modes."""
     HALTED = "halted"
@@ -401,7 +401,7 @@ def conflict_error(
 
     `details["conflicts"]` has one entry per resource: `resource`; `reason`;
     `claimed_by`, the controllers and their hardware interfaces; `held_by`, the running
-    controller among them or None; and the `hardware_interface` of that one.
+    controller among them or None; and that controller's `hardware_interface`.
     `details["held_by"]` lists all running controllers that are in the way.
 
     Args:
@@ -422,7 +422,7 @@ def conflict_error(
 
 
 def _summary(conflicts: Sequence[ResourceConflict]) -> str:
-    """Return the reason of each group of holders, and the other resources it is for."""
+    """Return a reason for each group of holders, and all resources it applies to."""
     groups: dict[tuple[tuple[str, str], ...], list[ResourceConflict]] = {}
     for conflict in conflicts:
         groups.setdefault(conflict.holders, []).append(conflict)
