@@ -32,7 +32,7 @@ class ParameterType(Enum):
 
 
 class NameKind(Enum):
-    """The kind of things whose names the strings of a parameter are."""
+    """The kind of things that the strings of a parameter name."""
 
     NOTHING = ""
     JOINT = "joint"
@@ -62,7 +62,7 @@ class DeclaredParameter:
         maximum: Largest number allowed.
         choices: The strings allowed; empty when any is.
         size: Length that a list must have; None when any is allowed.
-        names: Kind of things whose names the strings are.
+        names: Kind of things that the strings name.
 
     Raises:
         ValueError: Default and choices contradict each other.

@@ -413,7 +413,7 @@ class RecordingRefusedError(StationError, RuntimeError):
 
 
 class RecordingFileError(StationError, OSError):
-    """The file of a recording cannot be read or written, or is no recording."""
+    """The file of a recording cannot be read or written, or is not a recording."""
 
     code = "recording_file"
 
@@ -443,7 +443,7 @@ class LoopError(StationError, RuntimeError):
 
 
 class SimulationError(StationError, RuntimeError):
-    """The simulation refuses a request in its present state, or there is none."""
+    """The simulation refuses a request now, or there is no simulation."""
 
     code = "simulation_refused"
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 SWITCH_INTERVAL = 1e-4
-"""Longest wait of the control thread for an interpreter that a thread keeps [s]."""
+"""Longest wait of the control thread while another thread keeps the interpreter [s]."""
 CYCLE_SWITCH_INTERVAL = 5e-3
 """How long a cycle may keep the interpreter while others wait for it [s]: the usual
 interval of Python, longer than any cycle but one that hangs."""

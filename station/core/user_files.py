@@ -64,7 +64,7 @@ def open_regular(path: Path, flags: int = os.O_RDONLY) -> int:
         The descriptor.
 
     Raises:
-        OSError: The file is no regular file, or cannot be opened.
+        OSError: The file is not a regular file, or cannot be opened.
     """
     # Open without waiting: the kind of a file can be checked only once it is open.
     descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_CLOEXEC, 0o600)
@@ -82,8 +82,8 @@ def read_regular(path: Path, most: int) -> str:
         most: Most bytes that are read.
 
     Raises:
-        OSError: The file is no regular file, is larger, or cannot be read.
-        UnicodeDecodeError: The file is no text.
+        OSError: The file is not a regular file, is larger, or cannot be read.
+        UnicodeDecodeError: The file is not text.
     """
     with os.fdopen(open_regular(path), "rb") as file:
         data = file.read(most + 1)

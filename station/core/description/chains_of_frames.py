@@ -16,8 +16,8 @@ def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointC
 
     Args:
         urdf: The robot.
-        base: Link at which the chain begins; `frame` is below it, or below a link that
-            carries it by fixed joints only.
+        base: Link at which the chain begins; `frame` is below this link, or below a
+            link that carries this link by fixed joints only.
         frame: Link at the end of the chain.
         joints: The joints whose positions the caller gives, in their order.
 

@@ -220,7 +220,7 @@ def _read(path: Path) -> tuple[str, str]:
     """Return the text of a URDF, and the robot's name in it.
 
     Raises:
-        RobotDescriptionError: The file is missing, cannot be read or is no URDF.
+        RobotDescriptionError: The file is missing, cannot be read or is not a URDF.
     """
     try:
         size = path.stat().st_size
@@ -257,9 +257,9 @@ def _read(path: Path) -> tuple[str, str]:
 def _find_srdf(urdf_path: Path, robot: str) -> Path | None:
     """Return the SRDF beside a URDF that is for a robot of that name.
 
-    The robot's name inside an SRDF decides. If several files have that name inside, or
-    none has, the file is taken whose own name is the longest that the name of the URDF
-    begins with.
+    An SRDF fits if it names that robot inside. If several files fit, or none does, the
+    file names decide: of those with which the URDF's file name begins, the longest is
+    taken.
     """
     found: list[Path] = []
     for directory in (urdf_path.parent, urdf_path.parent.parent / "srdf"):

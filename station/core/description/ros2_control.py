@@ -84,8 +84,8 @@ class HardwareTag:
         sensors: Its sensors.
         gpios: Its general-purpose inputs and outputs.
         transmissions: Its `<transmission>` elements, in the form of ROS 2.
-        timing: How it is read and written, if not in every cycle: the attributes that
-            say so, and those of `<properties>`, by name.
+        timing: By name, the attributes of the element and of `<properties>` that set
+            how it is read and written, if not in every cycle.
     """
 
     name: str

@@ -280,7 +280,7 @@ class Urdf:
         name: The robot's name.
         links: The links by name.
         joints: The joints by name.
-        root: Name of the one link that is no joint's child.
+        root: Name of the one link that is not the child of a joint.
     """
 
     name: str

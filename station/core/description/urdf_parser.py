@@ -138,7 +138,7 @@ def parse_urdf(
 
     Args:
         xml: The URDF document.
-        source: Source of the document, such as a file name, with which messages begin.
+        source: Origin of the document, e.g. a file name; messages begin with it.
         find_mesh: Turns the `filename` of a collision mesh into a path, and raises
             `RobotDescriptionError` if there is no such file. By default the path is
             taken as written, and the file need not exist.

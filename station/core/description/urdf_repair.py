@@ -17,8 +17,8 @@ ZeroRange = Literal["lock", "free"]
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _LIMITED = {"revolute", "prismatic"}
 _SLACK = 1e-6
-"""Allowed difference between the range of a mimic joint and that of its leader, as a
-share of the latter: conversions lose the last decimals."""
+"""Allowed difference between the ranges of a mimic joint and its leader, as a share of
+the leader's range: conversions lose the last decimals."""
 _OUT_OF_REACH = 1000.0
 """End of a range that no prismatic joint reaches [m]."""
 WORLD = "world"

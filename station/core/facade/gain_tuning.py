@@ -69,7 +69,7 @@ class GainTuning:
         return Gains(tunables.values, tunables.schema, revision)
 
     def all_gains(self) -> dict[str, dict[str, float]]:
-        """Return the values of all loaded controllers that have any, by name."""
+        """Return the gains of all loaded controllers that have any, by controller."""
         found = {}
         for status in self._manager.controller_statistics():
             values = self._manager.get_controller(status.name).tunables.values
@@ -92,7 +92,8 @@ class GainTuning:
             changes: New values by name; other values stay.
             revision: Revision that the caller has read; None accepts any.
             remember: Whether `undo` can take the change back. A test that restores the
-                gains itself sets this to false, so that `undo` is for people's changes.
+                gains itself sets this to false, so that `undo` takes back people's
+                changes only.
 
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.

@@ -66,7 +66,7 @@ class MotionCommands:
         return SetPoint(tuple(port.elements), values)
 
     def receipt(self) -> Receipt:
-        """Return a receipt for a command, which `wait_for` can wait for."""
+        """Return a new receipt, which goes with a command and then to `wait_for`."""
         return Receipt(lambda: self.loop.cycle)
 
     def wait_for(self, receipt: Receipt) -> int | None:
@@ -91,7 +91,7 @@ class MotionCommands:
         rates: list[float] | None = None,
         receipt: Receipt | None = None,
     ) -> int:
-        """Give a running controller a new set-point; return the epoch it counts for.
+        """Give a running controller a new set-point; return the epoch it belongs to.
 
         Args:
             name: The controller.
@@ -255,7 +255,7 @@ class MotionCommands:
         return goal
 
     def _watch_guards(self) -> Callable[[], str]:
-        """Return a function that names the arms that guards slow from now on."""
+        """Return a function that names the arms slowed by guards since this call."""
         guards = tuple(self.loop.hw.guards())
 
         def clearances() -> list[Clearance]:

@@ -25,7 +25,8 @@ class FrankaStateHandle(ResourceHandle):
     Args:
         name: Name of the form `<arm_id>_robot`.
         state: The arm's live state.
-        refresh: Brings the derived fields of `state` up to date; cheap if they are so.
+        refresh: Brings the derived fields of `state` up to date; cheap if they already
+            are.
         pose: Writes only `O_T_EE`, without a refresh; None to use `refresh`.
     """
 

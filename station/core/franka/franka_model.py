@@ -211,7 +211,7 @@ def _written(
     frame: Frame,
     *memory: Doubles,
 ) -> ModelSource:
-    """Return a source that writes a function of a frame and of memory."""
+    """Return a source that writes `compute` of a frame and of memory."""
     return ModelSource(lambda result: put(result, compute(frame, *memory)))
 
 

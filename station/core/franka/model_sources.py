@@ -116,7 +116,7 @@ class CoriolisSource(ModelSource):
         self.dynamics.coriolis(self.dq, result)
 
     def is_another_load(self) -> bool:
-        """Return whether the load differs from that in `dynamics`; store it."""
+        """Store the load; return whether it differs from that in `dynamics`."""
         mass: float = self.state.m_total
         differs = self.changes != self.dynamics.changes or mass != self.mass
         self.mass = mass
