@@ -2,7 +2,7 @@
 
 Between two measurements the gap of a pair shrinks by at most the motion of the arm and
 of the solid. So the last gap minus this motion is a bound, and only pairs with a small
-bound are measured again: the result is the same as if all pairs were.
+bound are measured again: the result is the same as if all pairs were measured.
 """
 
 from collections.abc import Sequence
@@ -34,16 +34,16 @@ _ROUNDING = 1e-9
 class Clearances:
     """Measures an arm against solids. Control thread only.
 
-    A pair is a capsule of the arm and a solid. Its gap is its distance less the margin
-    of the solid [m]. Its number is the number of the capsule times the count of solids
-    plus the number of the solid.
+    A pair is a capsule of the arm and a solid. The gap of a pair is the distance less
+    the margin of the solid [m]. The number of a pair is the number of the capsule times
+    the count of solids plus the number of the solid.
 
     Args:
         chain: The arm, see `arm_chain`.
         capsules: Capsules of its links, 7 numbers each.
         owners: Index of the link of each capsule.
-        tree: A robot that is no such chain, see `place_tree`; `chain` then only gives
-            the number of joints.
+        tree: A robot that is not such a chain, see `place_tree`; `chain` then only
+            gives the number of joints.
         longest: See `reaches_of_tree`.
 
     Attributes:
@@ -125,11 +125,11 @@ class Clearances:
         self.horizon = 0.0
 
     def allow(self, solid: int, capsules: Sequence[bool]) -> None:
-        """Set for which capsules a solid counts.
+        """Set the capsules for which a solid counts.
 
         Args:
             solid: Number of the solid.
-            capsules: Whether it counts for each capsule.
+            capsules: For each capsule, whether the solid counts.
         """
         for i, counts in enumerate(capsules):
             self.allowed[i * self.solid_count + solid] = int(counts)

@@ -41,7 +41,7 @@ class Nearness:
     Args:
         solids: Rows of solids, 20 numbers each.
         triangles: Corners of the triangles of all meshes, in the frame of their solid
-            [m], 9 numbers each; seen from outside, the corners turn left.
+            [m], 9 numbers each; the corners run counter-clockwise as seen from outside.
 
     Attributes:
         distance: Distance of the surfaces at the last measurement [m]; negative when
@@ -251,7 +251,8 @@ def nearest_points(
         first: Ends of one segment, 6 numbers.
         second: Ends of the other segment, 6 numbers.
         point: Receives the nearest point of the first segment, shape (3,).
-        normal: Receives the direction to it from the second segment, shape (3,).
+        normal: Receives the direction from the second segment to this point, shape
+            (3,).
     """
     s, t = 0.0, 0.0
     px = first[0]

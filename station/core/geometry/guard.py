@@ -23,7 +23,7 @@ from station.memory.functions import square_root
 GUARD_REFLEX = "guard_reflex"
 """Name of the reflex that ends a motion which can no longer stop in time."""
 PASSES, SLOWED, CANNOT_STOP = range(3)
-"""What the guard does with a Cartesian command: send it, slow it, or stop the arm."""
+"""Results of checking a Cartesian command: send it, slow it, or stop the arm."""
 _PASSES, _SLOWED, _CANNOT_STOP = PASSES, SLOWED, CANNOT_STOP  # as C numbers
 # Share of the acceleration limits with which the arm is to stop. The rest is needed to
 # reverse the acceleration, and for lines that bend towards a solid.
@@ -172,7 +172,7 @@ class Guard:
         self.commit(self.q_d, 0.0)
 
     def add_neighbour(self, other: "Guard", place: Doubles, arm: str) -> None:
-        """Add another arm, which counts if `set_scene` says so.
+        """Add another arm, which counts if `set_scene` gives a margin for arms.
 
         Args:
             other: The other arm's guard.
@@ -185,7 +185,7 @@ class Guard:
         self.arms.append(arm)
 
     def allow(self, solid: int, links: Sequence[str]) -> None:
-        """Set for which links a solid counts.
+        """Set the links for which a solid counts.
 
         Args:
             solid: Number of the solid.
@@ -259,7 +259,7 @@ class Guard:
 
         Args:
             q: Joint positions [rad], shape (n,).
-            longest: Shortest time in which the arm may stop [s].
+            longest: Lower bound of the time that the arm takes to stop [s].
             braking: Share of the acceleration limits with which it stops.
         """
         time = longest
@@ -301,7 +301,7 @@ class Guard:
             result[i] = self.q_d[i] + self.v[i] * self.period
 
     def catch_up(self, result: Storage) -> None:
-        """Set `v` towards positions from which the arm lags; it can stop there.
+        """Set `v` so that the arm catches up with the positions and can stop there.
 
         Args:
             result: The positions [rad or m], shape (n,).
@@ -463,7 +463,7 @@ class Guard:
         return _SLOWED
 
     def share_within(self, limits: Doubles, factor: float) -> float:
-        """Return the scale of `v`, at most 1, that keeps `_JOINT_SHARE` of limits."""
+        """Return the scale <= 1 that keeps `v` within `_JOINT_SHARE` of the limits."""
         share = 1.0
         for i in range(self.size):
             size = self.v[i] if self.v[i] > 0.0 else -self.v[i]
@@ -502,7 +502,7 @@ class Guard:
         return self.look_ahead(self.q_d, longest, _CARTESIAN_SHARE)
 
     def solve_joints(self) -> None:
-        """Write the least joint velocities that give the twist `rest` to `v`."""
+        """Write to `v` the least joint velocities that give the twist `rest`."""
         least_rates(self.jacobian, self.rest, self.matrix, _SINGULAR, self.v)
 
     def limit_torques(self, result: Storage) -> bool:

@@ -136,7 +136,7 @@ def add_hull(vertices: NDArray[np.float64], triangles: list[float]) -> float:
 
 
 def _fan(corners: NDArray[np.float64], normal: NDArray[np.float64]) -> list[float]:
-    """Return triangles of a convex face whose corners turn left about its normal."""
+    """Return triangles of a convex face, corners counter-clockwise about its normal."""
     middle = corners.mean(axis=0)
     first = corners[0] - middle
     second = np.cross(normal, first)

@@ -53,7 +53,7 @@ class SceneObject:
         name: Name of the object, unique in the world.
         kind: `box`, `sphere`, `cylinder`, `capsule`, `half_space`, `mesh` or `table`. A
             table is a box whose `position` is the middle of its top; a half-space fills
-            what is below its own z = 0; a mesh counts as its convex hull.
+            the space below its own z = 0; a mesh counts as its convex hull.
         size: Edges of a box or table; radius of a sphere; radius and height of a
             cylinder; radius of a capsule and length of its axis [m].
         position: Position at the start [m], shape (3,).
@@ -204,7 +204,7 @@ def _role(entry: Mapping[str, object], kind: str, mass: float, where: str) -> st
 
 
 def _solid(entry: Mapping[str, object], where: str) -> bool:
-    """Return whether robots can touch an object; by default a region is not touched."""
+    """Return whether robots can touch an object; a region by default not."""
     role = entry.get("role", "object")
     solid = entry.get("solid", role == "object")
     if not isinstance(solid, bool):

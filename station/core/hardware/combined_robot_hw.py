@@ -1,8 +1,8 @@
 """Several robots as one, each seeing only the part of a switch that concerns it.
 
 Source: ros_control@0.20.0 combined_robot_hw/src/combined_robot_hw.cpp; differs:
-`switch_result` asks the robots instead of always answering DONE (CM-114), conflicts are
-asked of the robots, too, and `init` raises with its reason.
+`switch_result` asks the robots instead of always answering DONE (CM-114), the robots
+are asked for conflicts, too, and `init` raises with its reason.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -182,7 +182,7 @@ class CombinedRobotHW(RobotHW):
 
     @override
     def components(self) -> Sequence[HardwareComponent]:
-        """Return one component per robot, named after it, or several of its own."""
+        """Return the components of all robots, named after their robots."""
         found: list[HardwareComponent] = []
         for name, robot in self.robots.items():
             parts = robot.components()
@@ -320,7 +320,7 @@ class CombinedRobotHW(RobotHW):
 
     @override
     def mode(self) -> str:
-        """Return the mode of all robots, or that of the first one not running."""
+        """Return the first mode of a robot that is not `running`, or else `running`."""
         modes = [robot.mode() for robot in self.robots.values()]
         return next((mode for mode in modes if mode != "running"), "running")
 

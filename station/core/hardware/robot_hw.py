@@ -156,9 +156,9 @@ class SimulatedWorld(ABC):
     def distances(self) -> Callable[[], tuple[str, str, float] | None]:
         """Return a function that finds the body nearest to the links of a robot.
 
-        It returns the name of a link, the name of a solid body that belongs to no robot
-        or to another one, and their distance [m]; None if there is no such pair. Pairs
-        that touch when this method is called are ignored.
+        The function returns the name of a link, the name of a solid body that belongs
+        to no robot or to another one, and their distance [m]; None if there is no such
+        pair. Pairs that touch when this method is called are ignored.
         """
         return lambda: None
 
@@ -170,9 +170,9 @@ class SimulatedWorld(ABC):
     ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
         """Return a function that finds the bodies that are near each other in a pose.
 
-        It takes positions of the joints [rad or m]. For each pair of bodies below the
-        margin it returns both names and the distance [m], negative if they overlap. For
-        copies of a station only, because the world stays in that pose.
+        The function takes positions of the joints [rad or m]. For each pair of bodies
+        below the margin it returns both names and the distance [m], negative if they
+        overlap. For copies of a station only, because the world stays in that pose.
 
         Args:
             joints: Names of joints; other joints stay as they are.
@@ -514,7 +514,7 @@ class RobotHW(InterfaceManager):
         return ()
 
     def unguarded(self) -> Sequence[str]:
-        """Return the names of robots without a guard; this one has the empty name."""
+        """Return the names of robots without a guard; this robot has the empty name."""
         return () if self.guards() else ("",)
 
     def address(self) -> str:

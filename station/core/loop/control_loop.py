@@ -494,7 +494,7 @@ class ControlLoop:
             deadline += (1 + skipped) * wall_period
 
     def _run_at_the_pace_of(self, robot: RobotClock) -> None:
-        """Run a cycle for each state of a robot; the wait for it is the sleep.
+        """Run a cycle for each state of a robot; the wait for a state is the sleep.
 
         The two clocks drift apart, so a state is due one period after the last one.
         """

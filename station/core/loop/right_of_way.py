@@ -59,8 +59,8 @@ class RightOfWay:
     def wait_for_begun_cycle(self) -> None:
         """Wait until the next cycle has begun, so that its period is still to come.
 
-        For work that takes most of a period: started then, it makes the cycle after it
-        as little late as possible.
+        Work that takes most of a period begins after this call, so that it delays the
+        cycle after it as little as possible.
         """
         begins = self._beats[0] + self._period / self._pace.real_time_factor
         if begins - self._clock.now() < _LONGEST_WAIT:

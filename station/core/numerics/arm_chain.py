@@ -138,7 +138,7 @@ def zero_jacobian(links: Storage, pose: Storage, result: Storage) -> None:
 
 
 def turn_to_inner_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None:
-    """Write vectors, given in the outer axes of a pose, in the pose's own axes.
+    """Convert vectors in the outer axes of a pose to the pose's own axes.
 
     Args:
         pose: The pose, 16 numbers.
@@ -155,7 +155,7 @@ def turn_to_inner_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None
 
 
 def turn_to_outer_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None:
-    """Write vectors, given in the axes of a pose, in the pose's outer axes.
+    """Convert vectors in the axes of a pose to the pose's outer axes.
 
     Args:
         pose: The pose, 16 numbers.
@@ -403,10 +403,10 @@ class JointChain:
 class WrenchEquation:
     """The equation (J J^T + damping) x = b of one Jacobian, solved for many b.
 
-    Its solution gives the joint motion J^T x that moves an end effector by b with the
-    least effort, and the wrench x at an end effector from the joint torques tau with
-    b = J tau. J J^T = L D L^T is a matrix of 6 x 6 numbers for any number of joints; L
-    is unit lower triangular, D diagonal.
+    If b is a displacement of an end effector, J^T x is the smallest joint motion that
+    makes it. If b = J tau for joint torques tau, x is the wrench at the end effector.
+    The matrix J J^T = L D L^T has 6 x 6 numbers for any number of joints; L is unit
+    lower triangular, D diagonal.
     """
 
     def __init__(self) -> None:
@@ -418,7 +418,8 @@ class WrenchEquation:
     def factorise(self, jacobian: Doubles, damping: float) -> bool:
         """Take a Jacobian; return whether the matrix is positive definite.
 
-        With a damping of -s^2 it is so if all singular values of J are above s.
+        With a damping of -s^2 it is positive definite if all singular values of J are
+        above s.
 
         Args:
             jacobian: The Jacobian J of n joints, 6 n numbers, column-major.

@@ -18,7 +18,7 @@ _LIMIT_ROUNDING: float = 1e-9
 """An angle that exceeds a limit by less than this counts as being on it [rad]."""
 
 PLAIN = 0.0
-"""A joint that slides, or a value that is no angle: the error is the difference."""
+"""A joint that slides, or a value that is not an angle: the error is the difference."""
 CONTINUOUS = 1.0
 """A joint that takes the shorter of the two ways round."""
 BOUNDED = 2.0

@@ -84,7 +84,7 @@ def quaternion_of(pose: Sequence[float]) -> list[float]:
 
 
 def to_outer_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]:
-    """Return vectors, given in the axes of a pose, in the pose's outer axes, (3 n,)."""
+    """Convert vectors in the axes of a pose to its outer axes, shape (3 n,)."""
     result = zeros(len(vector))
     arm_chain.turn_to_outer_axes(viewed(pose), viewed(vector), result)
     return [*result]

@@ -57,7 +57,8 @@ class Goal:
         cancel_reason: Why it was asked to end, in one sentence.
         receipt: Notes the cycle in which the controller takes the goal; None if that
             cycle is noted nowhere.
-        ended: Notes the cycle in which the goal ends on request; None likewise.
+        ended: Notes the cycle in which the goal ends on request; None if that cycle is
+            noted nowhere.
         feedback: Returns the action's feedback message (JSON-compatible values), which
             is empty unless the controller replaces this function. Any thread.
         explain: Returns a sentence to end the message of an abort with, or an empty

@@ -64,7 +64,7 @@ class Receipt:
     def hand_over(self, deposit: Callable[[], None]) -> None:
         """Call `deposit`, which gives the command to the control thread.
 
-        A re-run keeps it until the cycle that the recording names.
+        A re-run keeps the command until the cycle that the recording names.
         """
         if self.held is None:
             deposit()

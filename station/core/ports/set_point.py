@@ -1,4 +1,4 @@
-"""Set-points: the mailbox that any thread posts to, and the one that is in force."""
+"""Set-points: a mailbox that any thread posts to, and the set-point in force."""
 
 from collections import deque
 from collections.abc import Callable
@@ -51,7 +51,7 @@ class SetPointElement:
 
 @dataclass(frozen=True, slots=True)
 class SetPoint:
-    """The form of a controller's set-points, and the one it picked up last.
+    """The form of a controller's set-points, and the last one that it picked up.
 
     Attributes:
         elements: Name, unit and range of each number.
@@ -192,8 +192,7 @@ class SetPointPort:
     def expire(self) -> None:
         """Let the set-point in force expire now, and drop the one in the slot.
 
-        A set-point that was not picked up is dropped. Without one in force, nothing
-        else happens.
+        Without a set-point in force, only the slot is emptied.
         """
         self._newest = None
         self._slot.append((None, -inf, self.generation, None))
@@ -290,7 +289,8 @@ class TimeoutAction(Enum):
     - `hold`, the default: the robot rests until the next set-point arrives.
     - `stop`: the controller fails with `CommandTimeoutError`, and the manager stops it.
 
-    A set-point with a time limit of its own is followed by rest also with `off`.
+    When a set-point with a time limit of its own expires, the robot rests even with
+    `off`.
     """
 
     OFF = "off"

@@ -130,7 +130,8 @@ _KINDS: Mapping[
         ("alpha",),
     ),
 }
-"""For each type, without the ending in `_FILTERED`: its maker and its parameters."""
+"""By type without its ending, one of `_FILTERED`: the function that makes the filter,
+and the filter's parameters."""
 _FILTERED = ("Double", "Wrench", "MultiChannelDouble")
 
 

@@ -1,7 +1,7 @@
 """Build the segments of a trajectory: as requested, at rest, or coming to rest.
 
-A request is points in time for named joints. Its trajectory is joined to the one being
-executed.
+A request contains points in time for named joints. Its trajectory is joined to the
+executed trajectory.
 
 Source: ros_controllers@678b92a joint_trajectory_controller/init_joint_trajectory.h,
 joint_trajectory_segment.h, trajectory_interface.h, hold_trajectory_builder.h,
@@ -277,7 +277,7 @@ class TrajectoryOptions:
 
 @dataclass(frozen=True, slots=True)
 class _Times:
-    """Times of the result's time base [ns].
+    """Times in the time base of the result [ns].
 
     Attributes:
         now: The present time.

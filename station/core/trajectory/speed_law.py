@@ -27,7 +27,8 @@ class SpeedBounds:
         """Return the largest speed that a ramp can reach, at most the bound.
 
         Args:
-            speed: Speed at the beginning, >= 0; a ramp down to it has the same length.
+            speed: Speed at the beginning, >= 0; a ramp down to this speed has the same
+                length.
             length: Length of the ramp, >= 0.
         """
         return _largest(speed, self.speed, lambda v: self.way(speed, v) <= length)

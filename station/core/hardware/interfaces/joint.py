@@ -120,7 +120,8 @@ class CommandedJointHandle(JointStateHandle):
 
     Args:
         state: State handle of the joint.
-        index: The joint's slot in the lists of commands; None takes its state's slot.
+        index: The joint's slot in the lists of commands; None takes the slot of
+            `state`.
 
     Attributes:
         command_index: The joint's slot in the lists of commands.
@@ -162,7 +163,7 @@ class JointHandle(CommandedJointHandle):
     Args:
         state: State handle of the joint.
         command: The robot's commands of one kind.
-        index: The joint's slot in `command`; None takes its state's slot.
+        index: The joint's slot in `command`; None takes the slot of `state`.
 
     Raises:
         HardwareInterfaceError: `command` is None or has no slot `index`.

@@ -90,8 +90,8 @@ SEMANTIC_VALUES: Mapping[str, tuple[str, ...]] = {
     "gps": ("status", "service", "latitude", "longitude", "altitude"),
     "battery": ("battery_voltage",),
 }
-"""The values of every sensor of a kind: [m]; [T]; numbers of NavSatStatus, degrees,
-[m]; [V]."""
+"""Names of the values of each kind of sensor: ranges and altitude [m], field [T],
+latitude and longitude [degree], voltage [V], and two numbers of NavSatStatus."""
 
 
 class GpioStateHandle(ResourceHandle):

@@ -202,8 +202,8 @@ def joint_limits_from_urdf(
 ) -> JointLimits | None:
     """Return a joint's limits from its `<limit>` element.
 
-    The URDF wins over earlier limits, except for those of jerk; it removes those of
-    acceleration.
+    The URDF replaces the earlier limits, but the jerk limit stays; the acceleration
+    limit is removed.
 
     Args:
         joint: The joint of the robot description.

@@ -266,7 +266,7 @@ class VelocitySoftLimits(LimitedJoints):
 
     Args:
         views: See `LimitedJoints`.
-        follows_commands: Whether they accelerate from the command of the last cycle
+        follows_commands: Whether commands accelerate from the command of the last cycle
             rather than from the measured velocity.
     """
 

@@ -101,5 +101,5 @@ HARDWARE_INTERFACES: Mapping[str, tuple[CommandKind | None, bool]] = {
     "hardware_interface/BiDirectionalVelocityJointInterface": (_VELOCITY, True),
     "hardware_interface/BiDirectionalEffortJointInterface": (_EFFORT, True),
 }
-"""By name: the kind of command, None for state only, and whether values are carried in
-both directions."""
+"""By name of a `<hardwareInterface>`: the kind of command, None for state only, and
+whether values are carried in both directions."""
