@@ -32,15 +32,16 @@ class AdmittanceRule:
     Args:
         size: The number n of joints.
         sensor: Chain to the frame of the sensor.
-        reference: The same chain once more.
+        reference: A second chain to that frame, for the reference.
         control: Chain to the control frame.
         centre: Chain to the frame in which the centre of gravity is given.
 
     Attributes:
-        wrench: Measured wrench, in the axes of the sensor [N, Nm], shape (6,); written
-            by the owner, as what follows.
+        wrench: Measured wrench, in the axes of the sensor [N, Nm], shape (6,). The
+            owner writes it and what follows up to `joint_damping`.
         weight: Weight of the tool in the axes of the base [N], shape (3,).
-        centre_of_gravity: Its centre in the frame `centre` [m], shape (3,).
+        centre_of_gravity: Centre of gravity of the tool in the frame `centre` [m],
+            shape (3,).
         selected: 1 for each axis that a force moves, shape (6,).
         inverse_mass: Inverse masses [1/kg, 1/(kg m^2)], shape (6,).
         damping: Dampings [N s/m, Nm s/rad], shape (6,).

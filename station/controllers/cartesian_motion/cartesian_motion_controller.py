@@ -83,10 +83,10 @@ class EndEffectorUpdate:
     Attributes:
         is_resting: Whether the end effector rests, and nothing but rest is wanted;
             nothing is moved then, as long as the set-point in force stays.
-        steered: The set-point that is the generator's target and need not be made that
-            again; None if there is none.
+        steered: The set-point that is the generator's target; None if `steer` has to be
+            called again.
         obstacle: Published reason why the motion does not go on.
-        joint: Name of its joint; None if there is none.
+        joint: Name of the joint at the obstacle; None if there is none.
     """
 
     def __init__(
@@ -260,8 +260,8 @@ class CartesianMotionController(MultiInterfaceController):
             set_point: The set-point in force.
 
         Returns:
-            Whether the target stays the same as long as the set-point does: then this
-            is called again only after the motion had to brake.
+            Whether the target stays the same as long as the set-point does: then
+            `steer` is called again only after the motion had to brake.
         """
         raise NotImplementedError
 

@@ -91,7 +91,7 @@ class PoseMotion:
     def aim(self) -> list[float]:
         """Return the coordinates of the target, seen from the pose, shape (6,).
 
-        As long as they stay the same, it is the same list.
+        The list is the same one as long as the coordinates stay the same.
         """
         target, way, there = self.target, self.way, self.there
         rotation_between(self.pose, target, way)
@@ -121,7 +121,7 @@ class PoseMotion:
         velocities: list[float],
         accelerations: list[float],
     ) -> list[float]:
-        """Move the pose to where the axes have come; return their new coordinates.
+        """Move the pose to the positions of the axes; return the new coordinates.
 
         These are `positions` themselves if nothing turns and nothing was rounded.
 
@@ -146,7 +146,7 @@ class PoseMotion:
         """Restore the pose before `move`.
 
         Args:
-            velocities: Velocities of the axes before, shape (6,).
+            velocities: Velocities of the axes before `move`, shape (6,).
             accelerations: Their accelerations, shape (6,).
         """
         copy_into(self.pose, 0, self.last, _POSE)
@@ -294,7 +294,7 @@ class CartesianMotionGenerator:
         self._generator.go_at(twist)
 
     def is_still(self) -> bool:
-        """Return whether the pose is at rest, and so is its target."""
+        """Return whether pose and target are at rest."""
         return self._generator.is_still and self._wanted is None
 
     def brake(self) -> None:

@@ -16,7 +16,7 @@ class EndEffectorSample:
     """Desired and measured motion and their difference; a subclass fills them in.
 
     Args:
-        size: How many numbers each of them has.
+        size: Count of the desired values, and of the measured ones.
 
     Attributes:
         desired: Desired values, shape (size,).
@@ -57,8 +57,8 @@ class EndEffectorSample:
 class PoseSample(EndEffectorSample):
     """Position [m] and unit quaternion x y z w, desired and measured.
 
-    Quaternions of a motion do not jump: of the two of a rotation, the one is kept that
-    is nearer to the one before.
+    A rotation has two quaternions. The sample keeps the one nearer to that of the last
+    cycle, so that the quaternions of a motion do not jump.
 
     Args:
         pose: The desired pose, 16 numbers.
@@ -96,8 +96,8 @@ class TwistSample(EndEffectorSample):
         dq: Joint velocities [rad/s], shape (n,).
 
     Attributes:
-        is_inner: Whether both twists are kept in the axes of the end effector, of its
-            desired and of its measured pose, in place of those of the base.
+        is_inner: Whether the twists are kept in the axes of the desired and of the
+            measured end effector, instead of those of the base.
     """
 
     def __init__(

@@ -274,10 +274,10 @@ class JointLookahead:
         self._note_clearance(self._model.clearance(self._q_d))
 
     def passes(self, motion: PoseMotion) -> bool:
-        """Allow a step that is allowed beyond doubt; return whether it was.
+        """Accept a step that is certainly allowed; return whether it was accepted.
 
-        Of a step that comes near a limit or leads away from the known configurations
-        nothing is decided: `allows` has to look at it.
+        A step that comes near a limit or leads away from the known configurations stays
+        undecided: `allows` has to check it.
 
         Args:
             motion: The motion after the step.

@@ -26,8 +26,8 @@ class LinearKinematics:
         q: Joint positions [rad], shape (n,); kept and not copied.
         jacobian: Jacobian of the end effector in the axes of the base, 6 n numbers,
             column-major; kept, and read by `invert` and `is_dexterous`.
-        velocity: Largest joint velocities [rad/s], shape (n,); kept, as the next.
-        acceleration: Largest joint accelerations [rad/s^2], shape (n,).
+        velocity: Largest joint velocities [rad/s], shape (n,); kept.
+        acceleration: Largest joint accelerations [rad/s^2], shape (n,); kept.
 
     Attributes:
         velocity: As given.
@@ -94,7 +94,7 @@ class LinearKinematics:
         is the twist and the velocity of joint 3. With the column c of joint 3 and the
         other columns J, all singular values of A are above s < 1 if, and only if,
         J J^T - s^2 - c c^T s^2 / (1 - s^2) is positive definite. That holds if
-        J J^T - s^2 - |c|^2 s^2 / (1 - s^2) is, which is looked at here.
+        J J^T - s^2 - |c|^2 s^2 / (1 - s^2) is positive definite, which is tested here.
 
         Args:
             least: Bound of the singular values, >= 0.
@@ -185,9 +185,8 @@ class LinearKinematics:
     def are_slow(self, twist: Doubles, push: float) -> bool:
         """Return True only if no joint exceeds its bounds; False if that is unknown.
 
-        No joint accelerates more than if all of the end effector's acceleration were in
-        its own direction, and the end effector does not drift more than if all axes
-        were parallel.
+        The test assumes the worst case: the end effector accelerates in the direction
+        that moves a joint most, and it drifts as if all axes were parallel.
 
         Args:
             twist: Twist of the end effector [m/s, rad/s], shape (6,).
@@ -212,7 +211,7 @@ class LinearKinematics:
         return self.are_pushed_little(push + length_of(self.motion))
 
     def are_pushed_little(self, push: float) -> bool:
-        """Return whether such an acceleration in any direction exceeds no bound."""
+        """Return whether an acceleration of this size is allowed in any direction."""
         lengths, acceleration = self.lengths, self.acceleration
         for joint in range(self.size):
             if not lengths[joint] * push <= acceleration[joint]:
@@ -225,7 +224,7 @@ class LinearKinematics:
         Args:
             twist: Twist of the end effector [m/s, rad/s], shape (6,).
             accelerations: Two accelerations of the end effector [m/s^2, rad/s^2], shape
-                (12,); an end effector without acceleration counts as well.
+                (12,); zero acceleration is checked as well.
         """
         dq, motion, inverse = self.dq, self.motion, self.inverse
         velocity, acceleration = self.velocity, self.acceleration
@@ -287,8 +286,9 @@ _NEAR = 0.01
 class StopPrediction:
     """The rest positions of n joints after each step, and their distance to limits.
 
-    Where the joints would rest after a step follows from the pose at which the end
-    effector would rest, by the linearised kinematics of a configuration nearby.
+    The positions at which the joints would rest after a step follow from the pose at
+    which the end effector would rest, by the linearised kinematics of a configuration
+    nearby.
 
     Args:
         pose: Pose of the end effector at the configuration `resting`, 16 numbers; kept
@@ -427,8 +427,8 @@ class StopPrediction:
         """Note that no parts of the arm are near each other at the new positions.
 
         Args:
-            room: How far the joints may go from there before that can change [rad];
-                parts that are nearer to each other are looked at again at times.
+            room: Sum of joint motions from there up to which this holds [rad]; at least
+                `_NEAR` counts.
         """
         self.room = room if room > _NEAR else _NEAR
         copy_into(self.clear, 0, self.new, self.size)

@@ -1,4 +1,4 @@
-"""Drive a base by its two sides of wheels, and tell where it is."""
+"""Drive a base by the wheels of its two sides, and estimate its pose."""
 
 from station.controllers.diff_drive_controller.diff_drive_controller import (
     DiffDriveController as DiffDriveController,

@@ -88,7 +88,7 @@ class Odometry:
         self.linear = self.angular = 0.0
 
     def follow_wheels(self, left: float, right: float, time: float) -> None:
-        """Take in the angles by which the wheels have turned.
+        """Advance the pose by the angles by which the wheels have turned.
 
         Args:
             left: Mean position of the left wheels [rad].
@@ -112,7 +112,7 @@ class Odometry:
         self.angular = sum(self._angular) / len(self._angular)
 
     def follow_commands(self, linear: float, angular: float, time: float) -> None:
-        """Take in that the base has moved as commanded since the last call.
+        """Advance the pose by the velocities commanded since the last call.
 
         Args:
             linear: Velocity forwards [m/s].
@@ -162,7 +162,7 @@ class SpeedLimiter:
         """Return the velocity nearest to the wanted one that respects the limits.
 
         Args:
-            wanted: [m/s or rad/s].
+            wanted: The wanted velocity [m/s or rad/s].
             last: The velocity of the last cycle.
             before: The velocity of the cycle before that.
             period: Duration of a cycle [s], >= 0.
@@ -216,8 +216,8 @@ def read_limiter(params: Parameters, axis: str) -> SpeedLimiter:
         axis: `linear/x` or `angular/z`.
 
     Raises:
-        ParameterError: A value is no number, or a smallest value is above 0 or a
-            largest one below.
+        ParameterError: A value is not a number, a smallest value is above 0, or a
+            largest value is below 0.
     """
     inside = params.namespace(axis)
     return SpeedLimiter(*(_read_range(inside, kind) for kind in _KINDS))
@@ -336,8 +336,8 @@ class DiffDriveController(Controller[VelocityJointInterface]):
     Source:
         DiffDriveController; differs: a set-point that is not finite is refused; the
         topic `odom` is published in the cycle in which it is due; a diagonal of a
-        covariance is 0 when absent; the topics tf and `cmd_vel` of the original are
-        the set-points and `odom` of this station.
+        covariance is 0 when absent; the topics `cmd_vel` and tf of the original are the
+        set-points and `odom` of this station.
     """
 
     odometry: Odometry
@@ -426,7 +426,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return the topics `odom`, and if asked for `cmd_vel_out` and the wheels'."""
+        """Return the topic `odom`, and if requested those of commands and wheels."""
         found: dict[str, Mapping[str, object]] = {}
         if self._odom is not None:
             found["odom"] = self._odom

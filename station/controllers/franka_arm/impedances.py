@@ -4,8 +4,8 @@ At the end effector, with the pose error e, the twist J dq and the rest q_n:
 
     tau = J^T (-bounded(K e) - D J dq) + N (k (q_n - q) - d dq) + c + f
 
-N = 1 - J^T (J J^T)^-1 J keeps the null space off the end effector: whatever it does, a
-force F deflects the spring by F / K. At the joints it is
+N = 1 - J^T (J J^T)^-1 J keeps the torques of the null space from moving the end
+effector: a force F always deflects the spring by F / K. At the joints the torques are
 
     tau = K (q_d - q) - D dq + c + f
 
@@ -31,7 +31,7 @@ _FILTER = 0.005
 # far below the singular values, and the null space moves the end effector by 1e-4.
 _INVERSE_DAMPING = 1e-6
 _SMALLEST_EXPONENT = -700.0
-"""Exponential functions of less than this, with the other sign, overflow."""
+"""Smallest argument with which `logistic` computes, because exp(710) overflows."""
 
 
 class Friction:
@@ -40,8 +40,9 @@ class Friction:
     Args:
         dq: Measured joint velocities [rad/s], shape (n,).
         height: Friction at high speed forwards plus that backwards [Nm], shape (n,).
-        slope: How suddenly it rises with the speed [s/rad], shape (n,).
-        shift: Velocity that makes it larger one way than the other [rad/s], (n,).
+        slope: Steepness with which friction rises with the speed [s/rad], shape (n,).
+        shift: Velocity by which the rise is shifted, so that friction is larger in one
+            direction [rad/s], shape (n,).
 
     Attributes:
         share: Share of the friction that is compensated, 0 to 1.
@@ -78,7 +79,7 @@ class PoseImpedance(PoseSpring):
 
     Attributes:
         axes: Stiffness along [N/m] and about [Nm/rad] the axes of the base, shape (6,).
-        wanted_axes: Values that they approach, shape (6,), >= 0.
+        wanted_axes: Values that the stiffnesses approach, shape (6,), >= 0.
         dampings: The matrix D, 36 numbers, symmetric; written by the owner.
         posture: Joint positions that the null space approaches [rad], shape (n,).
         slowing: Damping of the null space [Nm s/rad], >= 0.
@@ -117,7 +118,7 @@ class PoseImpedance(PoseSpring):
             self.dampings[k] = 0.0
 
     def bounded(self, first: int, largest: float) -> float:
-        """Return the factor that bounds three numbers of the wrench by their norm."""
+        """Return the factor that keeps the norm of three numbers within a bound."""
         x, y, z = self.wrench[first], self.wrench[first + 1], self.wrench[first + 2]
         size = square_root(x * x + y * y + z * z)
         return largest / size if size > largest else 1.0
@@ -177,10 +178,10 @@ class JointImpedance:
 
     Attributes:
         stiffness: Stiffnesses [Nm/rad], shape (n,).
-        wanted: Values that they approach, shape (n,), >= 0.
+        wanted: Values that the stiffnesses approach, shape (n,), >= 0.
         dampings: The matrix D [Nm s/rad], n n numbers; written by the owner.
         desired: Equilibrium [rad], shape (n,).
-        target: Positions that it approaches [rad], shape (n,).
+        target: Positions that the equilibrium approaches [rad], shape (n,).
         coriolis: Coriolis torques [Nm], shape (n,); written by the owner.
         errors: Equilibrium minus measured positions [rad], shape (n,).
         torques: The torques [Nm], shape (n,).

@@ -41,8 +41,8 @@ class PoseSpring:
             vector part of a quaternion.
 
     Attributes:
-        pose: Measured pose of the end effector in the base frame, 16 numbers; brought
-            up to date by the caller, as what follows.
+        pose: Measured pose of the end effector in the base frame, 16 numbers; the
+            caller brings it, `jacobian` and `coriolis` up to date.
         jacobian: Jacobian of the end effector in the axes of the base, 6 n numbers,
             column-major.
         coriolis: Coriolis torques [Nm], shape (n,).

@@ -81,7 +81,7 @@ InterfaceT = TypeVar("InterfaceT")
 
 
 class _Example(Controller[InterfaceT]):
-    """Moves from the start pose by the time since the start."""
+    """Moves from the start pose, as a function of the time since the start."""
 
     def begin(self) -> Sequence[float]:
         """Return the joint positions from which the motion begins [rad], shape (7,)."""

@@ -1,4 +1,4 @@
-"""Let one arm follow another arm that is guided by hand, and feels its contacts.
+"""Let a follower arm track a hand-guided leader, which feels its contacts.
 
 Source: franka_ros@c11f000 franka_example_controllers, cfg/teleop_param.cfg and
 src/teleop_joint_pd_example_controller.cpp; differs: the phase is published as well, a
@@ -327,7 +327,7 @@ def read_teleop_gains(params: Parameters) -> dict[str, float]:
 
 
 def teleop_schema(gains: Mapping[str, float]) -> dict[str, Tunable]:
-    """Return unit and range of each; a configured value beyond a range widens it."""
+    """Return unit and range of each gain; a configured value widens its range."""
     schema = dict(_SCALARS)
     for prefix, largest in _BOUNDS.items():
         declared = _MOTION[prefix]

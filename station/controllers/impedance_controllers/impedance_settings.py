@@ -22,7 +22,7 @@ DESIGN_INTERVAL = 10
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A number that is a parameter at first, and a run-time parameter of that name."""
+    """A parameter that gives the first value of a run-time parameter of its name."""
 
     name: str
     unit: str
@@ -80,14 +80,14 @@ FRICTION = (
 
 
 def read_friction(params: Parameters, dq: Doubles) -> Friction:
-    """Return the compensation of friction that the parameters describe, at rest.
+    """Return the compensation of friction that the parameters describe, off at first.
 
     Args:
         params: The controller's namespace.
         dq: Measured joint velocities [rad/s], shape (7,).
 
     Raises:
-        ParameterError: A coefficient is no list of 7 numbers.
+        ParameterError: A coefficient is not a list of 7 numbers.
     """
     height, slope, shift = (doubles(each.read_float_list(params)) for each in FRICTION)
     return Friction(dq, height, slope, shift)
