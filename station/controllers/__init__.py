@@ -91,8 +91,8 @@ _MODULES = {
     "velocity_controllers/JointPositionController": "velocity_controllers",
     "velocity_controllers/JointVelocityController": "velocity_controllers",
 }
-"""Module of each type, whose class has the name of the type: after `:`, what stands
-before that name, because classes of several packages share the module."""
+"""Module of each type. The class has the name of the type; a prefix of that name
+follows after `:` where types of several packages share the module."""
 
 
 def _class_of(controller_type: str) -> str:

@@ -44,8 +44,9 @@ class ValuesBroadcaster(Controller[HardwareResourceManager[ValuesSensorHandle]])
 
     Attributes:
         topic: Name of the publication.
-        fields: The values in each field of the message: one, or a vector.
-        constants: The parameter in each field that does not change.
+        fields: By field of the message, the name of its value, or the names of a
+            vector.
+        constants: By field that does not change, the parameter that gives its value.
     """
 
     topic: ClassVar[str]
@@ -178,7 +179,7 @@ _MORE = ("power_supply_technology", "location", "serial_number")
 
 
 class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
-    """Publishes batteries, each and all as one, as sensor_msgs/BatteryState.
+    """Publishes each battery, and all as one, as sensor_msgs/BatteryState.
 
     Source:
         BatteryStateBroadcaster; differs: the older parameter `sensor_name` is refused,
@@ -290,7 +291,7 @@ def _mapping(
     """Return the parameters of a battery.
 
     Raises:
-        ParameterError: It is no mapping, or has an unknown key.
+        ParameterError: The parameter is not a mapping, or has an unknown key.
     """
     place = params.resolve(key)
     value = params.tree.get(place, {})

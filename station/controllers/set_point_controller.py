@@ -130,7 +130,7 @@ class ControlledJoints:
         return zeros(self.size) if view is None else view
 
     def read(self) -> None:
-        """Copy the measured values, if these are copies."""
+        """Copy the measured values, if `is_copy` is true."""
         group = self._group
         if group.positions is None:
             put(self.positions, group.get_positions())
@@ -140,7 +140,7 @@ class ControlledJoints:
             put(self.efforts, group.get_efforts())
 
     def write(self) -> None:
-        """Command the joints, if these are copies."""
+        """Copy the commands to the joints, if `is_copy` is true."""
         group = self._commanded
         if group is not None and group.commands is None:
             group.set_commands([*self.commands])

@@ -236,7 +236,7 @@ _STALL_TIMEOUT = declare_number(
     "s",
 )
 _LARGEST_YIELD = 0.5
-"""Least share of its distance from the joint that a command keeps in one cycle."""
+"""Least factor by which a cycle may reduce the distance of a command from the joint."""
 _ENOUGH = 0.9
 """Share of the largest effort with which the joint presses steadily."""
 _LEAST_REACH = 1e-6
@@ -454,7 +454,8 @@ class PositionGripperActionController(GripperActionController[PositionJointInter
 
     Source:
         HardwareInterfaceAdapter of the position interface; differs: the original
-        ignores `max_effort`. A robot that measures no effort presses as it likes.
+        ignores `max_effort`. On a robot that measures no effort, `max_effort` has no
+        effect.
     """
 
     def __init__(self) -> None:
@@ -486,7 +487,7 @@ class PositionGripperActionController(GripperActionController[PositionJointInter
         return command
 
     def next_position(self, target: GripperTarget, period: float) -> float:  # noqa: ARG002 - a subclass's
-        """Return the position on the way to the target.
+        """Return the next position on the way to the target.
 
         Args:
             target: The target.
@@ -512,7 +513,7 @@ _ALLOW_STALLING = declare_boolean(
 
 
 class ParallelGripperActionController(PositionGripperActionController):
-    """Moves a gripper to the position of a goal with its velocity and its effort.
+    """Moves a gripper to the position of a goal, with the goal's velocity and effort.
 
     Source:
         ros2_controllers@4.x parallel_gripper_controller; differs: velocity and effort

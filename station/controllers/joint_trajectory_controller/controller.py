@@ -153,7 +153,7 @@ _PID_COMMANDS: dict[type, JointQuantity] = {
     VelocityJointInterface: JointQuantity.VELOCITY,
     EffortJointInterface: JointQuantity.EFFORT,
 }
-"""What PIDs compute, by the interface."""
+"""Quantity that PIDs compute, by the type of the interface."""
 
 
 def adapter_parameters(interface: type) -> tuple[DeclaredParameter, ...]:
@@ -406,7 +406,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
 
     @property
     def trajectory_state(self) -> JointTrajectoryState | None:
-        """Return the desired and measured state of the last cycle; None before one."""
+        """Return the last cycle's desired and measured state; None before the first."""
         sample = self.sample
         if not isinstance(sample, PackedSample):
             return None

@@ -431,8 +431,8 @@ class TrajectoryExecution:
         JointTrajectoryController; differs: after a violated tolerance the joints are
         stopped and held, not moved on; a stopped joint holds what was commanded, not
         what is measured, unless it has left its path tolerance; only continuous joints
-        take the shortest way in the error, and a position beyond half a turn is meant
-        as it is; a moving joint goes on without a step of its velocity; positions
+        take the shortest way in the error, and a position beyond half a turn keeps its
+        whole turns; a moving joint goes on without a step of its velocity; positions
         beyond a joint's limits are refused, and segments that are too fast or lead
         beyond the limits.
     """
@@ -598,9 +598,9 @@ class TrajectoryExecution:
     def _held_positions(self) -> list[float]:
         """Return the positions that the joints hold after an ended motion [rad or m].
 
-        That is where they were commanded to be: a loaded joint hangs below, and would
-        sink by that much at every end if it held where it is. A joint that has left
-        its path tolerance is stopped by something, and holds where it is.
+        These are the commanded positions: a loaded joint hangs below them, and would
+        sink by that error at every end if it held the measured position. A joint that
+        has left its path tolerance is blocked, and holds the measured position.
         """
         held, tracking = [*self.tracking.positions], self.tracking
         tracking.compare_states()

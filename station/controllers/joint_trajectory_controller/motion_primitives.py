@@ -59,9 +59,10 @@ _SAMPLE, _TURN_SAMPLE = 2e-3, 0.01
 """Distance between the poses of a path for which joints are computed [m], [rad]."""
 _BLEND_SAMPLES = 80
 _EXACT = 1e-11
-"""Error of the tip [m, rad]: second differences of the joints are made of it."""
+"""Largest error of the tip [m, rad]; small, because joints are differenced twice."""
 _JUMP = 0.3
-"""Step of a joint from one pose of a path to the next that is none of a path [rad]."""
+"""Step of a joint between two poses of a path from which on the path is refused
+[rad]."""
 _POINT_PERIOD = 0.02
 """Time between two points of the trajectory [s]."""
 _SAME_PLACE = 1e-6
@@ -104,12 +105,12 @@ def _refuse(index: int, reason: str, problem: str, **facts: object) -> NoReturn:
 
 @dataclass(slots=True)
 class _Path:
-    """A path without times: one primitive as it is alone.
+    """A path without times: one primitive without blends.
 
     Attributes:
-        index: Of the primitive.
-        length: Its length [m], or of the motion of the joints or the rotation [rad].
-        scale: Its length for a motion of 1 that `velocity` is about.
+        index: Index of the primitive.
+        length: Length of the path [m]; [rad] for a motion of joints or a rotation.
+        scale: Length of the path per unit of the motion that `velocity` limits.
         spacing: Length between two samples.
         q: Returns the positions of joints at a length; None for a path of the tip.
         pose: Returns the pose of the tip at a length.
@@ -326,8 +327,8 @@ class MotionSequences:
         """Pass from one path into the next one, from `cut` to `until`.
 
         Both are weighted by a polynomial whose first two derivatives are 0 at its ends,
-        so that speed and curvature go on. Two points within a sphere have those between
-        them within it, too: the tip leaves the paths only within the blend radius.
+        so that speed and curvature go on. A sphere contains all points between two of
+        its points: so the tip leaves the paths only within the blend radius.
         """
         u = np.linspace(0.0, 1.0, len(tail))
         weights = u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
@@ -473,7 +474,7 @@ class MotionSequences:
         return found
 
     def _fastest(self, piece: _Piece) -> Array:
-        """Return the largest speed at which no joint is too fast, turning included."""
+        """Return the largest speed that joint velocities and accelerations allow."""
         with np.errstate(divide="ignore", invalid="ignore"):
             by_speed = self._velocity / np.abs(piece.slope)
             by_bend = np.sqrt(0.5 * self._acceleration / np.abs(piece.bend))
@@ -535,7 +536,7 @@ def _arc(
 ) -> tuple[float, Callable[[float], list[float]]]:
     """Return the arc from a pose through a point to a goal: its length, and its poses.
 
-    The rotation is that from the start to the goal; that of the via pose is none.
+    The rotation is that from the start to the goal; the via pose has no part in it.
 
     Raises:
         InvalidTrajectoryError: The three points lie on no circle.

@@ -40,7 +40,8 @@ from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
 MAX_DURATION = 86_400.0
 """Latest end of a trajectory from now, and longest goal time tolerance [s]: a day."""
 _PEAK_RATIO = 1.1
-"""Largest speed between two points over the limit: planners bound the points only."""
+"""Allowed speed between two points as a multiple of the limit: planners bound the speed
+at the points only."""
 _ROUNDING = 1e-6
 """Relative excess that rounding may cause."""
 _BEZIER = {
@@ -53,7 +54,7 @@ _BEZIER = {
 _HALF_TURN = pi * (1.0 + 1e-6)
 """Largest angle without whole turns, with the rounding of written numbers [rad]."""
 _STANDS = 1e-6
-"""How exactly a joint stands where a request has measured it to be [rad or m]."""
+"""Distance up to which a requested position counts as the measured one [rad or m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +176,7 @@ class TrajectoryPlanner:
         """Return the positions at which the joints are held [rad or m]. Any thread.
 
         Raises:
-            InvalidTrajectoryError: They move.
+            InvalidTrajectoryError: The joints move.
         """
         present = self._present()
         if not present.rests:
@@ -193,7 +194,7 @@ class TrajectoryPlanner:
         tolerances: Mapping[str, JointTolerances] | None,
         receipt: Receipt | None,
     ) -> SegmentTrajectory | None:
-        """Return the trajectory of a request; None to hold, where all joints are there.
+        """Return the trajectory of a request; None to hold, if all joints are there.
 
         Raises:
             InvalidTrajectoryError: The request cannot be followed.
@@ -229,8 +230,8 @@ class TrajectoryPlanner:
     def _present(self) -> _Present:
         """Return the state from which a new trajectory continues, all of one cycle.
 
-        A trajectory that is planned here continues from what it will continue from when
-        the recording is run again, which plans between the same two cycles.
+        A re-run of a recording plans between the same two cycles, so the trajectory
+        continues from the same state there.
         """
         execution = self.execution
         while True:
@@ -277,9 +278,9 @@ class TrajectoryPlanner:
     def _wraps_of(self, request: JointTrajectory) -> list[bool]:
         """Return the joints that take the short way to a request's first point.
 
-        Planners send an angle within half a turn. A position
-        beyond counts the turns, and to leave them out would be to report a success
-        after another motion than the one that was asked for.
+        Planners send an angle within half a turn. A position beyond half a turn counts
+        whole turns: without them, success would be reported for another motion than the
+        requested one.
         """
         first = dict(
             zip(request.joint_names, request.points[0].positions, strict=False)
@@ -367,7 +368,7 @@ class TrajectoryPlanner:
 
 
 def check_times(request: JointTrajectory, now: float) -> None:
-    """Refuse times before the start, and points that are due in over `MAX_DURATION`.
+    """Refuse times before the start, and points due later than in `MAX_DURATION`.
 
     Times that long come from a wrong unit, such as nanoseconds.
 

@@ -63,7 +63,7 @@ class JointJogController(SmoothedMotionController[CommandInterfaceT]):
         """Return whether no joint can come near its limits by any command.
 
         Args:
-            duration: Time within which it may do it, and brake afterwards [s].
+            duration: Time for which the command may act before the joint brakes [s].
         """
         limits, generator = self.limits, self.generator
         for joint, position, velocity, acceleration, jerk in zip(

@@ -112,7 +112,7 @@ class MotionGenerator:
 
         Args:
             positions: Present positions in the new coordinates [rad or m], shape (n,);
-                the same list if they are what they were.
+                the same list if they have not changed.
         """
         if positions is not self.positions:
             self.positions = positions
