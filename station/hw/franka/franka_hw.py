@@ -7,7 +7,6 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 - A switch to a Cartesian motion is ongoing until the arm has come to rest.
 - At a switch the command buffers are set to the present state, so that no old command
   is sent before a controller's first command.
-  is sent before a controller's first command.
 - Limits are enforced only for the kinds of command that controllers give.
 - A command or a reading that is not finite stops the arm's motion instead of the
   process.

@@ -209,7 +209,7 @@ def _bring_up_to_date(element: ET.Element) -> bool:
 def _find_problem(
     element: ET.Element, driven: set[str], used: set[tuple[str, str]]
 ) -> str | None:
-    """Return the problem of a transmission; without one add its parts to `used`."""
+    """Return the problem of a transmission; if it has none, add its parts to `used`."""
     robot = ET.Element("robot")
     robot.append(element)
     parser = TransmissionParser()

@@ -1,10 +1,10 @@
 """Mechanical stops for joints that are too fast for MuJoCo's own stops.
 
-MuJoCo notices only after a step that a joint has passed the end of its range in it, and
-then takes about two steps to stop the joint: at 20 rad/s the joint is 1.1 degrees
-beyond by then. Where a joint's velocity limit allows more than `FREE_WAY` in a step,
-the impact is therefore computed here, before the step. Impulses p between the two links
-of each joint that would pass an end slow it down so that it just reaches the end:
+MuJoCo notices only after a step that a joint has passed the end of its range, and then
+takes about two steps to stop the joint: at 20 rad/s the joint is 1.1 degrees beyond by
+then. Where a joint's velocity limit allows more than `FREE_WAY` in a step, the impact
+is therefore computed here, before the step. Impulses p between the two links of each
+joint that would pass an end slow it down so that it just reaches the end:
 
     M (dq' - dq) = p,    q_i + dt dq'_i = end_i.
 

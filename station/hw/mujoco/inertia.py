@@ -14,8 +14,8 @@ from station.core.description.urdf import Inertial, JointType, Link, Pose, Urdf
 def is_rigid_body(inertial: Inertial) -> bool:
     """Return whether a rigid body of positive volume can have these properties.
 
-    A point mass (inertia 0) is no such body. Neither is a body whose principal moments
-    are not positive or violate the triangle inequality.
+    A point mass (inertia 0) is not such a body. Neither is a body whose principal
+    moments are not positive or violate the triangle inequality.
     """
     moments = principal_moments(inertial)
     return bool(moments[0] > 0.0 and moments[0] + moments[1] >= moments[2])

@@ -270,7 +270,7 @@ class RobotArm(ABC):
             stiffness: Stiffness of the joints [Nm/rad], > 0, shape (7,).
 
         Raises:
-            ArmCommandError: A motion runs; likewise for the other setters.
+            ArmCommandError: A motion runs; the other setters raise this, too.
         """
 
     @abstractmethod

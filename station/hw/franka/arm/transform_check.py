@@ -13,7 +13,7 @@ _ROTATION_TOLERANCE = 1e-4
 
 
 def transform_problem(pose: Sequence[float]) -> str | None:
-    """Return the reason why numbers are no homogeneous transform; None if they are.
+    """Return the reason why numbers are not a homogeneous transform, or None.
 
     Orthogonality and handedness are not tested.
 

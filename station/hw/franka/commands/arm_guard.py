@@ -106,7 +106,7 @@ class ArmGuard(LinkGuard):
         )
 
     def add_neighbour(self, other: "ArmGuard") -> None:
-        """Add another arm, which counts if the scene says so.
+        """Add another arm, which counts if the scene gives a margin for arms.
 
         Args:
             other: The other arm.

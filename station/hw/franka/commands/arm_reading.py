@@ -87,7 +87,7 @@ class ArmReading:
         of its cycles within a nominal period, through filter and limits. Cycles that a
         late loop has missed are lost packets: the arm extrapolates its motion, and
         stops after 20 of them. The sender extrapolates commanded poses, so short delays
-        lose no packet of theirs.
+        lose no packet of a motion of poses.
         """
         cycles = round(self.time_due / self.cycle_time)
         self.time_due -= cycles * self.cycle_time

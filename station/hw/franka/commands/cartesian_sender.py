@@ -469,7 +469,7 @@ class CartesianSender:
         twist: The commanded twist [m/s, rad/s], shape (6,).
         pose_elbow: The elbow of a pose: position of joint 3 [rad] and sign of joint 4,
             or two zeros to let the arm choose; shape (2,).
-        twist_elbow: The elbow of a twist, likewise.
+        twist_elbow: The elbow of a twist, as for a pose.
         filters_first: Whether the low-pass acts on the first pose of a motion, too.
 
     Attributes:

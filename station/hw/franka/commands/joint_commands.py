@@ -216,7 +216,7 @@ class JointCommands:
     def checks(self) -> tuple[FiniteCheck, ...]:
         """Return the checks of the taken commands for numbers that are not finite.
 
-        They are made before limits and filters, which may turn a NaN into a number.
+        The checks come before limits and filters, which may turn a NaN into a number.
         """
         return tuple(FiniteCheck(commands) for commands, _ in self._taken())
 

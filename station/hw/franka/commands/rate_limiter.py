@@ -113,8 +113,8 @@ def make_joint_rates(
 def make_velocity_curves(limits: ArmLimits) -> VelocityCurves | None:
     """Return the velocities that each position allows, with libfranka's margin.
 
-    None if the limits do not depend on the position. Limits that do have no reserve for
-    lost packets.
+    None if the limits do not depend on the position. Limits that depend on it leave no
+    room for lost packets.
 
     Args:
         limits: The arm's own limits.

@@ -27,7 +27,7 @@ _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
 
 
 class FingerJoints:
-    """Handles of the two fingers; it passes their commands on to the motor.
+    """Offers handles of the two fingers; passes their commands on to the motor.
 
     The fingers are coupled: they have one position, and an effort acts on both. A
     controller that claims a finger claims the hand, through one kind of interface.
@@ -100,7 +100,7 @@ class FingerJoints:
                     interface.register_handle(handle)
 
     def write(self) -> None:
-        """Pass on the commands of claimed fingers; an unclaimed finger follows."""
+        """Pass on the commands of claimed fingers; without any, advance `hand`."""
         if not self.claimed:
             self.hand.advance()
             return

@@ -385,7 +385,7 @@ class CartesianStep:
         return check.check_elbow(rate, acceleration, jerk)
 
     def rest_elbow(self) -> None:
-        """Let joint 3 come to rest, as the arm chooses without an elbow command."""
+        """Let joint 3 come to rest: the arm's choice without an elbow command."""
         bounds, following, period = self.check.elbow, self.next_elbow, self.period
         speed, last = self.state.delbow_c[0], self.state.ddelbow_c[0]
         rate = limited(

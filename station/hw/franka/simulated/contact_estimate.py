@@ -247,7 +247,8 @@ _RELEASE_TIME = 0.1
 recovered has ended [s]. Without it, near a singular pose, the noise of some newtons
 would end a contact of 19 N for a cycle, and begin it again as a new collision."""
 _REACH = 0.01
-"""Largest turn of a joint until the Jacobian is computed anew [rad]: 1 % of wrench."""
+"""Largest turn of a joint until the Jacobian is computed anew [rad]; such a turn
+changes the wrench by 1 %."""
 _RELIABLE = 0.13
 """Singular value of the Jacobian above which the torques determine the wrench well.
 
@@ -380,8 +381,8 @@ class MomentumObserver(ContactEstimate):
         """Find the directions in which errors of the torques look like forces.
 
         An error along one direction looks like a wrench of the error divided by the
-        singular value. Only the part above that at `_RELIABLE` is in doubt, so that the
-        wrench has no step there.
+        singular value. Only the excess over this wrench at the singular value
+        `_RELIABLE` is in doubt, so that the result has no step there.
         """
         observer = self.observer
         jacobian = np.reshape(observer.jacobian, (7, 6))

@@ -53,7 +53,7 @@ def as_transform(pose: Pose) -> tuple[float, ...]:
 
 
 def _links_behind(urdf: Urdf, link: str, width: float) -> dict[str, Pose]:
-    """Return the poses of all links behind a link in its frame, with joints at 0."""
+    """Return the poses, in a link's frame, of all links behind it, joints at 0."""
     found: dict[str, Pose] = {}
     frontier = [(link, Pose())] if link in urdf.links else []
     while frontier:

@@ -2,7 +2,8 @@
 
 Source: the requests of aiofranka 0.9.0 (server.py, client.py, tools.py) and of
 franky-control 2.0.0 (desk.py), and the answers that they wait for. The robot's own
-interface is not published; where they leave an answer open, docs/fci.md says so.
+interface is not published; where these programs leave an answer open, docs/fci.md says
+so.
 """
 
 import secrets

@@ -316,7 +316,7 @@ class ArmLink:
         self.receive_next()
 
     def refused(self, answer: RobotAnswer) -> ArmCommandError:
-        """Return the error for an answer that is no success."""
+        """Return the error for an answer that is not a success."""
         mode = self.reader.robot_mode
         todo = REMEDIES.get(mode, "stop the running motion, then try again")
         return ArmCommandError(

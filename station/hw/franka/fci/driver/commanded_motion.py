@@ -85,7 +85,7 @@ class CommandWriter:
             elbow: Position of joint 3 [rad] and sign of joint 4, or None.
 
         Raises:
-            InvalidCommandError: The numbers are no pose or twist, or the elbow is
+            InvalidCommandError: The numbers are not a pose or twist, or the elbow is
                 impossible.
         """
         part = self._parts[name]
@@ -295,7 +295,7 @@ class CommandedMotion:
         """Command a pose or a twist.
 
         Raises:
-            InvalidCommandError: The numbers are no pose or twist, or the elbow is
+            InvalidCommandError: The numbers are not a pose or twist, or the elbow is
                 impossible.
             ArmCommandError: The motion is of another kind.
         """

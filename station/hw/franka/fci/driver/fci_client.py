@@ -127,7 +127,7 @@ class FciClient(Generic[_Command]):
 
         Raises:
             FciNetworkError: The connection is broken, or no answer came in time.
-            FciProtocolError: The message is no answer.
+            FciProtocolError: The message is not an answer.
         """
         number = self.send(command, values)
         answer = self.take_answer(number) or self.take_answer(number, TCP_TIMEOUT)
@@ -148,7 +148,7 @@ class FciClient(Generic[_Command]):
 
         Raises:
             FciNetworkError: The connection is broken.
-            FciProtocolError: The message is no answer.
+            FciProtocolError: The message is not an answer.
         """
         while not (found := self._answers.get(number)):
             data = self._network.receive(timeout)

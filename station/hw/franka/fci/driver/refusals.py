@@ -62,7 +62,7 @@ REMEDIES = {
 
 
 def refusal_of(command: Command, number: int, mode: RobotMode) -> str:
-    """Return libfranka's message for an answer that is no success.
+    """Return libfranka's message for an answer that is not a success.
 
     Args:
         command: The refused command.

@@ -27,7 +27,8 @@ class StateReader:
     Attributes:
         message: Buffer for the next message.
         message_id: Number of the message that was read last.
-        modes: `motion_generator_mode` and `controller_mode` of it, as on the wire.
+        modes: `motion_generator_mode` and `controller_mode` of this message, as on the
+            wire.
         robot_mode: Mode of the arm in the message.
     """
 

@@ -1,9 +1,9 @@
-"""The process between clients of an arm or its hand, and the station that has them.
+"""The process between clients of an arm or its hand, and the station with the arm.
 
 It moves bytes: between TCP and a pipe to the station, and between UDP and the memory
 that it shares with the control thread. The station interprets them.
 
-Through the pipe go frames: a kind, a size, and bytes. The station answers each one.
+Through the pipe go frames: a kind, a size, and bytes. The station answers each frame.
 """
 
 import contextlib
@@ -31,7 +31,7 @@ OF_HAND = 16
 MEMORY_BYTES = 2 * PAGE_BYTES
 """Size of the memory that is shared [bytes]: the page of the arm, that of the hand."""
 ANSWER, REFUSAL = 4, 5
-"""Kinds of frames to this process: answers after the UDP port; why a client must go."""
+"""Kinds of frames to this process: the UDP port and answers; why a client must go."""
 FRAME = struct.Struct("<BI")
 """Head of a frame: its kind, and the size of its content [bytes]."""
 LAST_WORDS = struct.Struct("<H")

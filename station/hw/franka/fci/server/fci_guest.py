@@ -187,9 +187,9 @@ class GuestReading:
     Args:
         guest: The guest of the arm.
         read: Reads the robot.
-        wait: Sets whether the arm waits for a late loop. It must while a client
-            commands the arm: in a cycle that is made up for, the client has no state to
-            answer.
+        wait: Sets whether the arm waits for a late loop. The arm must wait while a
+            client commands it: in a cycle that is made up for, the client has no state
+            to answer.
         hand: The guest of the hand; None without a hand.
     """
 

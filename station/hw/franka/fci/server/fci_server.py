@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
 _logger = logging.getLogger(__name__)
 _SHORTEST_WAIT = 0.5
-"""Part of a period for which a client may answer even when the server is late."""
+"""Part of a period in which a client can always answer, even when the server is
+late."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -97,7 +97,7 @@ class GripperSession:
         })
 
     def close(self) -> None:
-        """Stop the fingers if a motion of this client runs: it has gone."""
+        """Stop the fingers if a motion of the departed client runs."""
         if self._running is not None:
             self._running = None
             if self._present() == self._identifier:

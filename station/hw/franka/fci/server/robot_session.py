@@ -14,11 +14,12 @@ A state shows the end of a motion before the answer goes out: clients report the
 of the last state that they have read.
 
 An asynchronous motion has one command per target instead of one per cycle, and cycles
-without a command are no loss: the arm plans its way to the newest target.
+without a command are not losses: the arm plans its way to the newest target.
 
-Source: libfranka@0.9.2 src/robot_impl.cpp, src/robot_impl.h, what the client expects;
-differs: a motion that is finished while the arm still moves is slowed down to rest. The
-settings are those of libfranka@0.9.2 include/franka/robot.h, the setters of Robot;
+Source: libfranka@0.9.2 src/robot_impl.cpp, src/robot_impl.h, for what the client
+expects; differs: a motion that is finished while the arm still moves is slowed down to
+rest. The settings are those of libfranka@0.9.2 include/franka/robot.h, the setters of
+Robot;
 differs: a simulated arm gives way in all directions when it is guided, and has no
 filters of its own, so that only these settings are accepted.
 """
@@ -279,7 +280,7 @@ class RobotSession:
     def is_answering(self) -> bool:
         """Return whether the client owes a command to every cycle of its motion.
 
-        It does from its first command on, unless the arm plans the motion.
+        The client does so from its first command on, unless the arm plans the motion.
         """
         is_begun = self._motion is not None and self._answered > 0
         return is_begun and self._fastest is None
@@ -301,7 +302,7 @@ class RobotSession:
         return b"".join(self._answer(request) for request in self._reader.feed(data))
 
     def receive_command(self, datagram: bytes) -> None:
-        """Take a UDP datagram; drop it if it is no command, or older than the last.
+        """Take a UDP datagram; drop it if it is not a newer command.
 
         Args:
             datagram: The datagram.
@@ -358,7 +359,7 @@ class RobotSession:
         return self._end_motion(MoveStatus.PREEMPTED)
 
     def close(self) -> None:
-        """End the client's motion: it has gone."""
+        """End the motion of the departed client."""
         if self._motion is not None:
             self._arm.stop_motion()
             self._end_motion(MoveStatus.ABORTED)
@@ -535,8 +536,8 @@ class RobotSession:
         """Pass a command on to the arm.
 
         Raises:
-            InvalidCommandError: A number is not finite, a pose is no transform, or the
-                arm has to stop at once to stay clear of its scene.
+            InvalidCommandError: A number is not finite, a pose is not a transform, or
+                the arm has to stop at once to stay clear of its scene.
         """
         arm = self._arm
         if self._fastest is not None:

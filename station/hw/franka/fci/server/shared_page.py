@@ -2,8 +2,8 @@
 
 A control thread may not send or receive. It leaves messages here and finds commands
 here; another process moves them to and from the network. Nobody locks: each kind of
-message has two places, is written into the one that is not valid, and becomes valid by
-its number. Each number has one writer.
+message has two places. A message is written into the place that is not valid, and
+becomes valid by its number. Each number has one writer.
 """
 
 import mmap

@@ -37,7 +37,7 @@ class FciVersionError(FciProtocolError):
 
     Args:
         what: Name of the server.
-        asked: The version that it asked for.
+        asked: The version that the client asked for.
         spoken: The versions that are spoken.
         answers: The answer, which names a version that is spoken.
     """
@@ -162,7 +162,7 @@ class Messages(Generic[_Command]):
             data: The next bytes of the stream.
 
         Raises:
-            FciProtocolError: A message in the stream is no answer of the protocol.
+            FciProtocolError: A message in the stream is not an answer of the protocol.
         """
         for (command, exchange), number, body in self._frames.feed(data):
             response = exchange.response

@@ -4,9 +4,10 @@ A request and its answers begin with a header: command, number of the request, s
 the whole message. TCP carries them. UDP carries a `RobotState` to the client in every
 cycle, and a `RobotCommand` back while a motion runs.
 
-The lists below have what any version has; `_SPOKEN` has a column per version, for what
-some of them lack. The number of a command or a status on the wire is its rank among
-those that the version has. Inside the station each has one number for all versions.
+The lists below contain the parts of all versions; `_SPOKEN` has a column per version
+for the parts that some versions lack. The number of a command or a status on the wire
+is its rank among those that the version has. Inside the station each command and status
+has one number for all versions.
 
 Source: libfranka-common include/research_interface/robot/service_types.h, rbk_types.h:
 @e6aa0fc version 5, @5adeec6 version 6, @dd768c8 version 7, @22b0837 version 8, @cd38d0e
