@@ -7,8 +7,7 @@ With the force F at the sensor, and the way x of the sensor from its reference:
     dq += ddq dt, dq_0 += dq dt, q_d = q_ref + dq_0
 
 S, D and K are diagonal in the axes of the control frame, M in those of the base. S
-selects axes. F is the measured wrench less the weight of the tool,
-smoothed.
+selects axes. F is the measured wrench less the weight of the tool, smoothed.
 
 Source: ros2_controllers@4.x admittance_controller/admittance_rule_impl.hpp; the inverse
 of J is that of kinematics_interface_kdl.

@@ -290,7 +290,7 @@ class ControllerManager:
 
         All statuses are of one moment between two switches: in the middle of a switch a
         joint would seem to have two owners. If a switch takes longer than `_PATIENCE`,
-        the list is the last one from before it.
+        the list is the last one from before the switch.
         """
         loaded = self._between_changes()
         return [*loaded, *(one.status() for one in list(self._loading.values()))]

@@ -42,7 +42,7 @@ class Strictness(Enum):
 
     @property
     def follows_chains(self) -> bool:
-        """True if the controllers that a request's chains need are added to it."""
+        """True if a request is extended by the controllers that its chains need."""
         return self in {Strictness.AUTO, Strictness.FORCE_AUTO}
 
 

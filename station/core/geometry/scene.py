@@ -204,7 +204,7 @@ def _role(entry: Mapping[str, object], kind: str, mass: float, where: str) -> st
 
 
 def _solid(entry: Mapping[str, object], where: str) -> bool:
-    """Return whether robots can touch an object; a region by default not."""
+    """Return whether robots can touch an object; by default, not a region."""
     role = entry.get("role", "object")
     solid = entry.get("solid", role == "object")
     if not isinstance(solid, bool):

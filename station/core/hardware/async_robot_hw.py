@@ -45,7 +45,8 @@ class PrivateRobotHW(RobotHW):
 
     Attributes:
         views: Interfaces by type, over the copies; each is made when it is first used.
-        uncopied: Interfaces whose handles may have functions, which are not copied.
+        uncopied: Interfaces that are not copied, because their handles may have
+            functions.
     """
 
     uncopied: ClassVar[tuple[type, ...]] = ()

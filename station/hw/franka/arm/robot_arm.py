@@ -229,7 +229,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def load_model(self) -> FrankaModel:
-        """Return a new model of the arm. It takes milliseconds: not during a motion.
+        """Return a new model of the arm, after milliseconds; not during a motion.
 
         Source: libfranka@0.9.2 include/franka/robot.h, Robot.loadModel.
         """

@@ -41,7 +41,8 @@ class Realism:
         stribeck_velocity: Speed at which half of this torque is left [rad/s].
         presliding: Angle by which a joint turns before it slides [rad].
         joint_stiffness: Stiffness between motor and link [Nm/rad]: `theta` differs from
-            `q` by the torque over the stiffness. The links move as if it were rigid.
+            `q` by the torque over the stiffness. The links move as if the joint were
+            rigid.
         torque_noise: Standard deviation of the torque sensors in a cycle [Nm].
         torque_bias: Constant error of the torque sensors [Nm].
         velocity_noise: Standard deviation of the velocities in a cycle [rad/s].

@@ -19,9 +19,8 @@ without a command are not losses: the arm plans its way to the newest target.
 Source: libfranka@0.9.2 src/robot_impl.cpp, src/robot_impl.h, for what the client
 expects; differs: a motion that is finished while the arm still moves is slowed down to
 rest. The settings are those of libfranka@0.9.2 include/franka/robot.h, the setters of
-Robot;
-differs: a simulated arm gives way in all directions when it is guided, and has no
-filters of its own, so that only these settings are accepted.
+Robot; differs: a simulated arm gives way in all directions when it is guided, and has
+no filters of its own, so that only these settings are accepted.
 """
 
 import struct
