@@ -27,7 +27,7 @@ NICENESS = -10
 """Niceness of the other threads where SCHED_RR is not granted. Linux compares niceness
 within a session only: it does not help against a browser started from the desktop."""
 GC_THRESHOLDS = (50_000, 20, 50)
-"""Collect rarely: the control loop makes no cycles of references."""
+"""Thresholds of rare collections: the control loop makes no cycles of references."""
 
 
 @contextmanager

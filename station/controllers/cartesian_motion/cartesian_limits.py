@@ -52,7 +52,7 @@ class CartesianLimits:
     rotation: VectorLimits
 
     def of_axes(self) -> AxisLimits:
-        """Return limits along and about each axis that keep vectors within these."""
+        """Return limits of each axis that keep vectors within the present limits."""
         three = [SHARE_OF_AN_AXIS] * 3
         both = (self.translation, self.rotation)
         return AxisLimits(

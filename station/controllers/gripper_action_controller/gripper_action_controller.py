@@ -238,9 +238,9 @@ _STALL_TIMEOUT = declare_number(
 _LARGEST_YIELD = 0.5
 """Least factor by which a cycle may reduce the distance of a command from the joint."""
 _ENOUGH = 0.9
-"""Share of the largest effort with which the joint presses steadily."""
+"""Share of the goal's effort from which on the command keeps its distance."""
 _LEAST_REACH = 1e-6
-"""Least distance of a command from the joint that presses too strongly [m or rad]."""
+"""Least distance of a command from a joint that presses too strongly [m or rad]."""
 _REACH_GROWTH = 10.0
 """Rate at which that distance grows while the effort is small enough [1/s]."""
 

@@ -47,7 +47,7 @@ SPEED_SCALING = declare_number(
     minimum=0.0,
     maximum=1.0,
 )
-"""The factor, which is a run-time parameter, too."""
+"""The factor of the speed, which is a run-time parameter, too."""
 _RAMP = declare_number(
     "speed_scaling_ramp", "time from standstill to full speed", 0.5, "s", minimum=0.0
 )

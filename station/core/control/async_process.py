@@ -297,7 +297,7 @@ def _refuse_what_has_no_way(controller: ControllerBase) -> None:
 
 
 def _pickled(kind: type, content: object) -> bytes:
-    """Return the class and the handles for the process.
+    """Return the class and the handles, pickled for the process.
 
     Raises:
         ControllerLoadError: The class cannot be imported elsewhere, or a handle has

@@ -22,9 +22,9 @@ class Strictness(Enum):
     """The treatment of a request that is only possible in part."""
 
     BEST_EFFORT = 1
-    """Do what is possible, leave out the rest."""
+    """Do the possible part of the request, leave out the rest."""
     STRICT = 2
-    """Do all of it, or refuse."""
+    """Do the whole request, or refuse it."""
     AUTO = 3
     """As strict, and also start the following controllers that a start needs, and stop
     the preceding controllers that a stop leaves without their following ones."""

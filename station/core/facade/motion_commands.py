@@ -400,7 +400,7 @@ class MotionCommands:
         return port.query_state(when)
 
     def _check_may_move(self, name: str, epoch: int | None) -> int:
-        """Return the present epoch.
+        """Return the present epoch, if the controller may move the robot.
 
         Raises:
             ControllerStateError: The controller is not running.

@@ -45,8 +45,8 @@ REGIONS = {
     "thigh": BodyRegion(440.0, 50e3, 75.0),
     "shin": BodyRegion(260.0, 60e3, 75.0),
 }
-"""The forces are twice those of a quasi-static contact. Skull and face have no
-permitted value.
+"""The body regions by name. Their forces are twice those of a quasi-static contact.
+Skull and face have no permitted value.
 
 Source: ISO/TS 15066:2016, tables A.2 and A.3, which are not public. The figures were
 compared with published ones: springs and masses are those of

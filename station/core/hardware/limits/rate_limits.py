@@ -261,4 +261,4 @@ class VelocityRateLimits(LimitedJoints):
 
 
 PositionRateLimits = partial(VelocityRateLimits, has_positions=True)
-"""Position commands whose velocity keeps to the same limits."""
+"""Position commands whose velocity keeps to the limits of `VelocityRateLimits`."""

@@ -126,7 +126,7 @@ PANDA_LIMITS = ArmLimits(
     limiter_elbow_velocity=2.175,
     tolerated_losses=3,
 )
-"""The Panda (FER)."""
+"""Limits of the Panda (FER)."""
 
 _FR3_INERTIALS = (
     (2.3966, -0.0172, 0.0004, 0.0745,
@@ -185,7 +185,7 @@ FR3_LIMITS = ArmLimits(
     ),
     filters_first_pose=False,
 )
-"""The Franka Research 3."""
+"""Limits of the Franka Research 3."""
 
 LIMITS_OF_ARM = {"panda": PANDA_LIMITS, "fr3": FR3_LIMITS}
 """Limits by the kind of arm."""

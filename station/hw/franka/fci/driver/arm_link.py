@@ -68,7 +68,7 @@ class Reconnection:
         self._thread.start()
 
     def ask(self, settings: list[tuple[Command, Mapping[str, Any]]]) -> None:
-        """Ask for a connection, once at a time.
+        """Ask the thread for a new connection.
 
         Args:
             settings: Requests to send once the arm is connected.

@@ -167,7 +167,8 @@ class MotionLog:
 
 
 _DEVIATIONS = (10.0, 3.12, 2.0 * pi)
-"""Source: libfranka@0.9.2 src/control_loop.h, kDefaultDeviation [m, rad, rad]."""
+"""Largest deviations from a motion [m, rad, rad]. Source: libfranka@0.9.2
+src/control_loop.h, kDefaultDeviation."""
 _CONTROLLERS = dict(zip(ControllerMode, MoveController, strict=True))
 _GENERATORS = {MotionGeneratorMode[g.name]: g for g in MoveGenerator}
 _FIELDS = {

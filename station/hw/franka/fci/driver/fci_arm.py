@@ -462,7 +462,7 @@ class FciArm(RobotArm):
             self._show_mode()
 
     def _shown_mode(self) -> RobotMode:
-        """Return the arm's mode; while others move the arm, it is Idle."""
+        """Return the arm's mode; Idle while others move the arm."""
         if self._link.is_returning:
             return RobotMode.AUTOMATIC_ERROR_RECOVERY
         if self._link.loss is not None:
