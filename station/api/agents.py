@@ -74,8 +74,8 @@ def seat_of(method: str, operation: Mapping[str, Any]) -> str | None:
         operation: The operation in the OpenAPI document.
 
     Returns:
-        `read`; `free`, without asking; or `asked`, if a person allows it. The document
-        has it as `x-agent`.
+        `read`; `free` (without asking); or `asked` (once a person has allowed the
+        call). The document has the right as `x-agent`.
     """
     name = operation["operationId"]
     if method == "get":

@@ -33,7 +33,7 @@ def controllers(station: Station) -> wire.Controllers:
 
 
 def switch_result(result: SwitchResult) -> wire.SwitchResult:
-    """Return the result of a switch, with the parts of the request left out."""
+    """Return the result of a switch, and the ignored parts of its request."""
     return wire.SwitchResult(
         ok=result.ok,
         started=list(result.started),

@@ -215,7 +215,7 @@ def _services(
 
 
 def _plan_path(player: PathPlayer, step: Mapping[str, Any]) -> dict[str, object]:
-    """Return the trajectory goal of a step that plays a path."""
+    """Return the trajectory goal for a step of a rehearsal that plays a path."""
     return player.plan_goal(step["path"], PlayOptions(**step["options"]))
 
 

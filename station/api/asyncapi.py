@@ -45,7 +45,7 @@ TOPICS: tuple[tuple[str, type[Topic], type[BaseModel | Report] | None], ...] = (
     ("scene", SceneTopic, wire.Scene),
     ("events", EventsTopic, Event),
 )
-"""Address, topic, and the model of its data; None if it has several models."""
+"""Address, class and model of the data of each topic; None for several models."""
 
 _LIMITS = {
     "min_rate": MIN_RATE,
@@ -56,7 +56,7 @@ _LIMITS = {
 
 
 def document() -> Schema:
-    """Return the document; it describes frames of streams without `fields`."""
+    """Return the document; it describes frames with all their fields."""
     template = _template()
     sent = (*_MODELS, wire.CommandCounts)
     _, found = TypeAdapter.json_schemas(

@@ -70,7 +70,7 @@ def origin_of(connection: HTTPConnection) -> Origin:
 
 
 class Audit:
-    """Records every requested change, carried out or refused, and all reads of agents.
+    """Records every requested change, carried out or refused, and all reads by agents.
 
     It runs before the guard, so that it also records requests from forbidden hosts and
     origins. Repeated set-points are counted, see `Repeats`.

@@ -18,7 +18,7 @@ TICKET_LIFETIME = 30.0
 SESSION_LIFETIME = 12 * 3600.0
 """How long a cookie is valid [s]."""
 EXPIRY_PERIOD = 1.0
-"""Time between two checks of an open stream whether its session has expired [s]."""
+"""Time between two checks whether the session of an open stream has expired [s]."""
 MAX_GRANTS = 512
 """Most cookies, and most tickets, that are kept for each role; the oldest of a role are
 dropped first."""
@@ -28,11 +28,11 @@ class Role(Enum):
     """Role of the bearer of a token."""
 
     VIEWER = "viewer"
-    """Read everything, and stop the robot."""
+    """May read everything, and stop the robot."""
     AGENT = "agent"
     """A program that acts for a person, and may ask for motion within the envelope."""
     OPERATOR = "operator"
-    """Everything."""
+    """May do everything."""
 
     def includes(self, needed: "Role") -> bool:
         """Return whether this role may do everything that `needed` may do."""
@@ -45,7 +45,7 @@ class LoginSession:
     Args:
         role: Role, which decides on its rights.
         clock: Clock that measures its age.
-        token: The named token with which it was opened, and with which it ends.
+        token: The named token that opened the session; the session ends with the token.
 
     Attributes:
         role: As given.

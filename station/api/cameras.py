@@ -46,7 +46,7 @@ class Picture:
     """A picture of a camera.
 
     Attributes:
-        number: Number of the picture; counts those of all cameras.
+        number: Number of the picture, counted over all cameras.
         stamp: Station time of the picture [s].
         jpeg: Content of the JPEG file.
         drawn_at: When the picture came, on the monotonic clock [s].

@@ -198,9 +198,9 @@ class Control:
             key: Key of the lease that the request names; None without one.
             owner: Name of the person or program.
             ttl: How long the lease lasts without a heartbeat [s], > 0.
-            force: Whether to take the lease from its holder, even if the holder offers
-                it; the former owner's motions are then held. A person needs no force to
-                take an agent's lease, and an agent may not use force.
+            force: Whether to take the lease from its holder, and to hold the former
+                owner's motions, also for an heir. A person needs no force to take an
+                agent's lease, and an agent may not use force.
             origin: Caller, and the caller's address.
 
         Raises:
@@ -326,8 +326,8 @@ class Control:
         """Allow a set-point in the body of a `with`, which must not wait.
 
         Control changes hands before the body or after it, never within. So a set-point
-        that arrives after a loss of control is refused, and one that came before is
-        held with the others. The controller is noted, to hold it if control is lost.
+        that arrives after a loss of control is refused. The controller of one that came
+        before is noted, and is held when control is lost.
 
         Args:
             access: Rights of the caller.
@@ -361,9 +361,9 @@ class Control:
     ) -> None:
         """Check a goal or a trajectory, before it is planned and again afterwards.
 
-        The first call notes the controller. A client that takes control by force in
-        between ends earlier goals of the controller, and the second call refuses this
-        one.
+        The first call notes the controller. If a client takes control by force in
+        between, the controller's earlier goals end, and the second call refuses the new
+        goal.
 
         Args:
             access: Rights of the caller.

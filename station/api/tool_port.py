@@ -105,7 +105,8 @@ class ToolClient:
             what: The change.
             result: Result of the change, in one or two words.
             is_done: Whether it was carried out.
-            free: Number of such events that are recorded before they are only counted.
+            free: Number of such events that are recorded singly; later ones are
+                counted.
         """
         found = origin_of(self.websocket)
         who = self.services.control.name_of(self.access, self.lease)

@@ -21,8 +21,8 @@ class StationTool:
     Attributes:
         name: Name of the operation.
         description: Effect, for the agent.
-        seat: Agents' right to the operation: `read`; `free`, without asking; or
-            `asked`, when a person has allowed it.
+        seat: Agents' right to the operation: `read`; `free` (without asking); or
+            `asked` (once a person has allowed the call).
         method: HTTP method.
         path: Path with `{names}` of parameters.
         places: `path` or `query` of each parameter.

@@ -1,4 +1,4 @@
-"""Log wrong tokens, and delay their answers more with each one from the same source.
+"""Log wrong tokens, and delay the answer longer with each one from the same source.
 
 A right token is never held back, whatever was sent from the same address before:
 no client can keep an operator from logging in or stopping the robot by sending wrong
@@ -104,7 +104,7 @@ class FailedLogins:
 
 
 def _network(host: str) -> str:
-    """Return the network of an address: an IPv6 customer has 2**64 addresses."""
+    """Return an address's network, because an IPv6 customer has 2**64 addresses."""
     try:
         address = ip_address(host)
     except ValueError:

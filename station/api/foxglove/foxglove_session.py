@@ -40,8 +40,8 @@ class FoxgloveSession:
         websocket: The accepted connection.
         channels: Channels that a client can subscribe to.
         changes: Carries out the changes that the client requests.
-        numbers: Numbers of the channels by topic, which all clients share; sessions add
-            to it.
+        numbers: Numbers of the channels by topic, which all clients share; a session
+            adds new channels.
     """
 
     def __init__(

@@ -43,7 +43,7 @@ STATUS_PERIOD = 0.2
 KEPT = 5.0
 """How long an ended goal stays in `status` [s], as in actionlib."""
 MOST_THREADS = 16
-"""Most threads that wait for the station for clients."""
+"""Most threads in which requests of clients wait for the station."""
 MOST_GOALS = 32
 """Most goals that are followed at the same time."""
 _TRAJECTORY = "control_msgs/FollowJointTrajectory"
@@ -98,7 +98,7 @@ class Action:
         name: Its name.
         type: Its type.
         begin: Begins a goal; may block.
-        changes: Whether it changes the station, so that it needs the rights for this.
+        changes: Whether it changes the station, which needs an operator's rights.
     """
 
     name: str

@@ -139,7 +139,7 @@ class Broker:
         self._numbers = count(1)
 
     def reserve(self, names: frozenset[str]) -> None:
-        """Take the first parts of the station's names, from clients too."""
+        """Reserve first parts of names for the station; end offers with such names."""
         self.reserved = names
         for name in [n for n in self.topics if self.is_reserved(n)]:
             topic = self.topics.pop(name)

@@ -90,7 +90,7 @@ class Publication:
 
 
 def text_frames(message: Values, form: Form) -> bytes:
-    """Return the frames of a message as JSON, in a picture or in fragments on request.
+    """Return a message as frames of JSON; as PNG or in fragments if the form says so.
 
     Args:
         message: The message; numbers that are not finite become null.

@@ -308,8 +308,8 @@ def filled(type_name: str, source: Mapping[str, Any], stamp: int) -> Values:
     """Return a message filled with the values of a report of the same names.
 
     In the report, a vector or quaternion may be a list, and flags may be the list of
-    the set ones. A message inside of the message that the report lacks is filled from
-    the report, too.
+    the names that are true. A nested message without a value of its own in the report
+    is filled from the whole report.
 
     Args:
         type_name: Type of the message.

@@ -48,8 +48,8 @@ class RosService:
         changes: Whether it changes the station, so that it needs an operator whom the
             lease allows.
         is_quick: Whether `call` returns at once, so that it needs no thread.
-        is_free: Function that returns whether a particular request changes nothing of
-            the station; None if all requests change it.
+        is_free: Function that returns whether a given request leaves the station
+            unchanged; None if every request changes it.
     """
 
     name: str

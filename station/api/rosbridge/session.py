@@ -112,7 +112,7 @@ class RosbridgeSession:
         self._port.listen(self.outbox.resume)
 
     async def feed(self, _: float) -> None:
-        """Wait until too many answers wait; messages of topics are dropped instead."""
+        """Return once too many answers wait; surplus messages of topics are dropped."""
         await self.outbox.overflown.wait()
 
     async def listen(self) -> None:
@@ -275,7 +275,8 @@ class RosbridgeSession:
         Args:
             what: The change.
             changes: Whether it changes the station; otherwise this does nothing.
-            free: Number of such events that are recorded before they are only counted.
+            free: Number of such events that are recorded singly; later ones are
+                counted.
 
         Raises:
             StationError: The client may not make changes, or the body of the `with` was

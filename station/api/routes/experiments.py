@@ -146,7 +146,7 @@ def list_best_trials(
 
 @router.get("/{name}/responses", responses=problems(404, 409, 422))
 def get_responses(name: Name, _: BackgroundDep) -> ExperimentResponses:
-    """Return the kept responses: of first and best trial, or of the worst ones."""
+    """Return the kept responses of the first and best trial, or of the worst trials."""
     with Results.open(file_of(name)) as results:
         return reports.responses_of(results)
 

@@ -261,7 +261,7 @@ def stop_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
 def collision_thresholds(
     request: wire.ForceTorqueCollisionBehavior,
 ) -> CollisionBehavior:
-    """Return the thresholds; nominal ones also apply to accelerating by default."""
+    """Return the thresholds; those for accelerating are the nominal ones by default."""
     given = request.model_dump()
     chosen = {
         one.name: given.get(

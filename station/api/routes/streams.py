@@ -118,7 +118,7 @@ async def accepted_access(websocket: WebSocket) -> Access | None:
 
 @router.websocket("/streams/{topic:path}")
 async def stream(websocket: WebSocket, topic: str) -> None:
-    """Stream a topic; a refusal is a close code, sent after accepting for browsers."""
+    """Stream a topic; refuse by a close code after accepting, as browsers need it."""
     services = services_of(websocket)
     access = await accepted_access(websocket)
     if access is None:

@@ -192,7 +192,7 @@ class CommandStream:
             self._news.set()
 
     async def _apply_newest(self) -> None:
-        """Apply the newest message, in every cycle.
+        """Apply the newest message, at most once per cycle.
 
         Raises:
             ControlHeldError: Another client holds control.

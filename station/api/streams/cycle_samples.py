@@ -54,7 +54,7 @@ class CycleSamples(ABC):
         self._limit = limit
 
     def open(self) -> None:
-        """Begin to sample; the ring of snapshots needs no beginning."""
+        """Begin to sample; do nothing by default, as for the ring of snapshots."""
         return
 
     def close(self) -> None:

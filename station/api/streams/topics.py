@@ -293,7 +293,7 @@ class SceneTopic(ReportTopic):
 
 
 class EventsTopic(Topic):
-    """Events, one per frame, of which none is left out.
+    """Events, one per frame; none is left out.
 
     Args:
         station: The station.
