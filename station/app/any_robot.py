@@ -117,7 +117,7 @@ def examine_robot(reference: str, base: BaseType = "fixed") -> Sequence[Repair]:
 
 
 def _sides(wheels: list[str]) -> tuple[list[str], list[str]] | None:
-    """Return the left and the right wheels, by their names; None unless they pair."""
+    """Return the left and the right wheels, by name; None unless they form pairs."""
     left = [name for name in wheels if "left" in name]
     right = [name for name in wheels if "right" in name]
     # Without pairs of left and right wheels it is unknown which wheels drive.

@@ -33,8 +33,8 @@ class Composition:
 
     Attributes:
         station: The facade; it knows the loop, the manager and the parameters.
-        not_loaded: Error that kept a controller of the configuration from loading, by
-            its name.
+        not_loaded: Errors that kept controllers of the configuration from loading, by
+            controller.
     """
 
     station: Station

@@ -1,8 +1,8 @@
 """The file by which a station finds a dashboard that has outlived another station.
 
 One file per dashboard, `<pid>.dashboard`, in the user's runtime directory. The station
-writes the file with its token, and the dashboard reads it: only programs of the same
-user can.
+writes the file with its token, and the dashboard reads the file; programs of other
+users can do neither.
 """
 
 import os
@@ -73,7 +73,7 @@ def read_dashboard(pid: int) -> DashboardRecord | None:
 def claim_orphan(host: str, port: int) -> DashboardRecord | None:
     """Claim a dashboard whose station has ended, so that no other station adopts it.
 
-    It deletes the files of dashboards that have ended.
+    Files of dashboards that have ended are deleted.
 
     Args:
         host: Host at which the dashboard must listen.

@@ -69,8 +69,8 @@ class InProcessStation:
     Attributes:
         facade: The facade, for all other operations: loading, goals, services, the
             simulation, reports, the latched stop.
-        not_loaded: Error that kept a controller of the configuration from loading, by
-            its name.
+        not_loaded: Errors that kept controllers of the configuration from loading, by
+            controller.
     """
 
     def __init__(

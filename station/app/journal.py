@@ -108,7 +108,7 @@ class Journal:
         self._stack.callback(watcher.stop)
 
     def _exchange(self, recorder: "Recorder") -> None:
-        """Write events into recordings, and begin and end of recordings as events."""
+        """Copy events into recordings, and log the begin and end of recordings."""
 
         def add(event: Event) -> None:
             kind, severity = event.kind.value, event.severity.value

@@ -111,7 +111,7 @@ LOOP_TIMEOUT = 0.4
 UI_RESTARTS = 3
 """Number of restarts of a crashed dashboard within `UI_MEMORY`."""
 UI_MEMORY = 60.0
-"""Time for which an end of the dashboard counts [s]."""
+"""Time for which an end of the dashboard counts towards `UI_RESTARTS` [s]."""
 WATCH_PERIOD = 0.2
 """Time between two checks whether the parts of the station run [s]."""
 

@@ -103,7 +103,7 @@ class UiOptions:
     viewer_token: str = ""
 
     def shown(self) -> str:
-        """Return, as text, the settings that a running dashboard must have to stay."""
+        """Return, as text, the settings that a dashboard must have to be adopted."""
         first = (self.robot_description, self.arm_id, self.base, self.base_moves)
         drawn = (*first, self.beside)
         told = (self.reconnect_window, self.certificate)
@@ -134,7 +134,7 @@ class _Process(Protocol):
 
 
 class AdoptedProcess:
-    """A process that another program has started, identified beyond its number.
+    """A process that another program has started, held by a `pidfd`.
 
     Args:
         pid: Its process number.

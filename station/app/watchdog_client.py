@@ -1,4 +1,4 @@
-"""Ask a watchdog for a stop, with the standard library only, so that it cannot fail."""
+"""Ask a watchdog for a stop, without a package that may be missing or broken."""
 
 import json
 from dataclasses import dataclass

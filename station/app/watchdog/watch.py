@@ -133,7 +133,7 @@ class Watch:
             self._look_at_loop(now)
 
     def take_settings(self, settings: WatchdogSettings) -> None:
-        """Replace the settings; hold commands are known after the robot is built."""
+        """Replace the settings, e.g. when the robot is built and has hold commands."""
         self.settings = settings
         self._holds.commands = settings.hold_commands
 
