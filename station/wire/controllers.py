@@ -162,7 +162,7 @@ class SwitchResult(ResponseModel):
     """Result of a switch, or of a dry run.
 
     Attributes:
-        ok: Every controller runs or stopped as planned.
+        ok: Whether every controller runs or stopped as planned.
         started: Names that were started.
         stopped: Names that were stopped.
         outcome: End of the switch. `committed`: all possible parts were carried out;
@@ -178,7 +178,7 @@ class SwitchResult(ResponseModel):
             joint, in the unit of the command; 0 for a command that slows the joint
             down.
         cycle: Cycle in which it was finished; 0 for a dry run.
-        dry_run: Nothing was done; this is the plan.
+        dry_run: Whether nothing was done and this is only the plan.
 
     Example:
         {"ok": true, "started": ["arm"], "stopped": [], "outcome": "committed",
@@ -338,8 +338,8 @@ class ReloadRequest(RequestModel):
     """Forget the imported code of controllers, so that the next load imports it anew.
 
     Attributes:
-        force_kill: Stop and unload all controllers first; without it, loaded
-            controllers are a reason to refuse.
+        force_kill: Stop and unload all controllers first; without it, the request is
+            refused while controllers are loaded.
 
     Example:
         {"force_kill": true}

@@ -14,7 +14,7 @@ class LessonAnswer(ResponseModel):
 
     Attributes:
         name: Name of the answer.
-        label: The same for people.
+        label: Its name for people.
         unit: Its unit.
     """
 
@@ -44,7 +44,7 @@ class Lesson(ResponseModel):
 
     Attributes:
         name: Name of the lesson.
-        title: The same for people.
+        title: Its name for people.
         text: The task, in Markdown.
         controllers: Controllers that the exercise uses, the main one first.
         joint: Joint that it is about.

@@ -22,7 +22,7 @@ class PlotRequest(RequestModel):
 
     Attributes:
         keys: Its channels, as the page names them, 100 at most.
-        xy: Whether the others are drawn over the first channel, not over time.
+        xy: Whether the other channels are drawn over the first one, not over time.
         span: How much time is shown [s], above 0 and at most 3600.
         transform: Transform of the channels; empty for none.
     """

@@ -99,8 +99,9 @@ class StreamFrame(ResponseModel):
 
     Attributes:
         topic: Topic; `hello` for the first message.
-        seq: Counts the frames of the stream. A gap is frames this client was too slow
-            for. With `rate=full` it is the number of the newest cycle in the batch.
+        seq: Counts the frames of the stream. A gap means that this client was too slow
+            and missed frames. With `rate=full`, `seq` is the number of the newest cycle
+            in the batch.
         epoch: Epoch of the data.
         cycle: Number of the cycle of the data; with `rate=full` of the newest one.
         stamp: Station time of the data [s].
@@ -154,7 +155,7 @@ class CommandCounts(ResponseModel):
         pending: Those that wait for a cycle, 0 to 2.
         cycle: Number of the last cycle, 0 or more.
         epoch: Present epoch, 1 or more.
-        error: Why the last refused one was refused; null when none was.
+        error: Why the last refused set-point was refused; null when none was.
     """
 
     received: int

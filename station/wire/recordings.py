@@ -73,7 +73,7 @@ class RecordingRequest(RequestModel):
     Attributes:
         name: Its name: up to 80 letters, digits, `_`, `.` and `-`; it becomes a
             part of the file's name.
-        note: For the record.
+        note: Note to store in the recording.
 
     Example:
         {"name": "pick", "note": "With the heavy cube."}

@@ -432,7 +432,7 @@ class RegionBudget(ResponseModel):
     Attributes:
         speed: Speed up to which a transient contact stays below `force` [m/s].
         force: Force that the region bears in a transient contact [N].
-        energy: Energy that the region takes up then [J].
+        energy: Energy that the region absorbs in such a contact [J].
     """
 
     speed: float
@@ -661,8 +661,8 @@ class GraspEpsilon(RequestModel):
     """Tolerance of the width of a grasped object.
 
     Attributes:
-        inner: How much narrower [m].
-        outer: How much wider [m].
+        inner: How much narrower than expected the object may be [m].
+        outer: How much wider than expected the object may be [m].
     """
 
     inner: _Distance = 0.005

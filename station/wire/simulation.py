@@ -118,7 +118,8 @@ class SceneObject(ResponseModel):
         mass: Mass [kg]; 0 for an object that cannot move.
         file: File of a mesh, on the station's machine.
         role: `keep_out`: arms keep clear of it; `fence`: they stay inside.
-        margin: Distance that arms keep from it, unless it is an `object` [m].
+        margin: Distance that arms keep from it [m]; without effect for the role
+            `object`.
         links: Links for which the role counts; empty for all.
         colour: Red, green and blue, 0 to 255; empty for the one of its role.
         solid: Whether a simulated robot can touch it.
@@ -184,7 +185,7 @@ class SavedScenes(ResponseModel):
 
 
 class MovingBase(ResponseModel):
-    """The root link of a simulated robot that floats or drives, where it is now.
+    """Present pose of the root link of a simulated robot that floats or drives.
 
     Attributes:
         link: Name of the root link.

@@ -90,7 +90,7 @@ class Status(ResponseModel):
         versions: Versions of the station and of the packages below it.
         clamps: Commands that limits cut off; empty if none ever was.
         command_violations: Commands that were written without a claim.
-        events: How the event log is doing; null from an older station.
+        events: State of the event log; null from an older station.
         operator: Name of the holder of control; null without one.
         recording: The running recording, or else the last one since the start of the
             station, also when it failed; null without one.
@@ -124,7 +124,7 @@ class StopRequest(RequestModel):
     """Stop the robot.
 
     Attributes:
-        reason: For the record.
+        reason: Reason, which the station records.
 
     Example:
         {"reason": "Somebody is in the cell."}
