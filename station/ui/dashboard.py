@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 _logger = logging.getLogger(__name__)
 
 SCENE_PERIOD = 0.1
-"""Longest time between two looks at what has moved in the scene [s]. The robot is drawn
-as soon as its positions come: a look at a fixed rate would make them older."""
+"""Longest time between two checks for moved parts of the scene [s]. The robot is drawn
+as soon as its positions come, because checks at a fixed rate would make them older."""
 VIEWS_PERIOD = 1.0 / 15.0
 PANEL_PERIOD = 0.1
 _ENDING_TIME = 0.5
@@ -65,7 +65,7 @@ class Dashboard:
         views: The views of all sessions.
         triangles: How many triangles the drawn robots have.
         not_drawn: Why no robot is shown; empty if no robot was requested.
-        movers: Shared by everybody who commands joints.
+        movers: The mover of each joint, shared by all that command joints.
         link: The station.
         reporter: Shows refusals.
         scene: The first robot; None when none is drawn.
@@ -175,7 +175,7 @@ class Dashboard:
         return self.link.view()
 
     def shown_views(self) -> ShownViews:
-        """Return `views` as another thread than Viser's reaches them."""
+        """Return `views` for threads other than Viser's."""
         loop = self._server.get_event_loop()
         return ShownViews(self.views, loop.call_soon_threadsafe)
 

@@ -32,7 +32,7 @@ _logger = logging.getLogger(__name__)
 _LOOK_PERIOD = 0.05
 _CLOSING_TIME = 1
 _DESCRIPTORS = 3
-"""File descriptors of a browser's 3D socket, with both ends of that to Viser."""
+"""File descriptors per 3D view: its socket, and both ends of the socket to Viser."""
 _REQUEST_TIMEOUT = 2.0
 
 
@@ -59,7 +59,7 @@ class DashboardConfig:
         url: The station's API, e.g. `http://127.0.0.1:8000`.
         token: The token the dashboard itself acts with; an operator's.
         host: Address to listen at.
-        port: TCP port; 0: any free one.
+        port: TCP port; 0 for any free one.
         robot_description: The robot to draw, `example-robot-data:<robot>` or a URDF;
             empty draws none.
         arm_id: Takes the place of `panda` in a Panda's joint names.
@@ -100,7 +100,7 @@ def run_dashboard(
 ) -> int:
     """Run the dashboard until SIGINT, SIGTERM, or the end that its follower announces.
 
-    A robot that cannot be drawn leaves a dashboard that says so.
+    If a robot cannot be drawn, the dashboard runs without the robots and says so.
 
     Args:
         config: Its configuration.
@@ -110,7 +110,7 @@ def run_dashboard(
         The exit code: 0.
 
     Raises:
-        OSError: The port cannot be had.
+        OSError: The port cannot be used.
     """
     # Before anything is loaded: a port that is taken is an error at once.
     with _listen(config) as listener:
@@ -236,7 +236,7 @@ async def _wait_for_end(
     follower: StationFollower | None,
     move_to: Callable[[StationAccess | None], None],
 ) -> None:
-    """Wait for a signal, the end of the server, or the end that a follower says."""
+    """Wait for a signal, the server's end, or the end that the follower announces."""
     access = None if follower is None else follower.access
     if follower is not None:
         follower.is_serving = True
@@ -301,7 +301,7 @@ async def ask_role(url: str, token: str, ca: str | None = None) -> Role | None:
         The role, or None for a wrong token.
 
     Raises:
-        ApiError: The station does not answer, or not as a station does.
+        ApiError: The station does not answer, or answers with another error.
     """
     if not token.isascii() or not token.isprintable():
         return None

@@ -1,7 +1,7 @@
 """Forward requests and streams of the dashboard's pages to the station.
 
-A page has the dashboard's cookie and no token. The relay adds the session's rights at
-the station, so the station sees who acts, by which role and under which lease.
+A page has the dashboard's cookie and no token. The relay adds the session's
+credentials, so the station sees who acts, in which role and under which lease.
 """
 
 import asyncio
@@ -48,7 +48,7 @@ _SESSION_ENDED = 4401
 
 
 class ApiRelay:
-    """The gateway's way to the station, for the pages' own requests.
+    """Forwards the pages' own requests from the gateway to the station.
 
     Args:
         access: The credentials of the sessions.
@@ -148,8 +148,8 @@ class ApiRelay:
     ) -> None:
         """Pass a stream's frames to a browser until either closes or the session ends.
 
-        While the station has ended and none has taken its place, the socket waits: the
-        page then has its frames again as soon as the station is back, without asking.
+        While no station runs, the socket waits, so that the page gets frames again as
+        soon as the station is back, without a new request.
 
         Args:
             browser: The browser's WebSocket, not accepted yet.

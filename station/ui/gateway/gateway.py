@@ -52,10 +52,10 @@ _VIEW_PARAMETERS = frozenset({"darkMode", "initialCameraPosition"})
 
 
 class Release(Protocol):
-    """Takes a stop back."""
+    """Releases a stop."""
 
     def __call__(self, session: Session, *, arm: bool) -> "Awaitable[StopState]":
-        """Take a stop back for a session; with `arm`, its second step."""
+        """Release a stop for a session; with `arm`, allow motion, the second step."""
         ...
 
 
@@ -66,12 +66,12 @@ class GatewayParts:
     Attributes:
         role_of: Asks the station which role a token has; None for a wrong token.
             Raises `ApiError` when the station does not answer.
-        stop: Stops the robot. Raises `ApiError` when that is not confirmed.
-        release: Takes a stop back for a session; with True, the second step: allows
-            motion again.
+        stop: Stops the robot. Raises `ApiError` when the stop is not confirmed.
+        release: Releases a stop for a session; with True, takes the second step, which
+            allows motion again.
         bar: Returns the present content of the status strip.
-        relay: The way to Viser.
-        api: The way to the station for the pages' own requests.
+        relay: Forwards requests to Viser.
+        api: Forwards the pages' own requests to the station.
         workspace: The parts that the docks of the page need.
         views: The views of all sessions.
         origins: Decides which Host and Origin headers are answered.

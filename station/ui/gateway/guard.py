@@ -1,4 +1,4 @@
-"""Checks that stand before every request, and headers that go with every answer."""
+"""Checks before every request, and security headers of every answer."""
 
 from collections.abc import Collection
 from typing import TYPE_CHECKING
@@ -39,7 +39,7 @@ LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
 def session_cookie(scope: "Scope") -> str:
-    """Return the cookie's name: browsers share cookies among the ports of a host."""
+    """Return the cookie's name with the port, because a host's ports share cookies."""
     server = scope.get("server")
     return f"station_dashboard_{server[1] if server else 0}"
 
@@ -62,7 +62,7 @@ def origin_policy(host: str, extra_names: Collection[str] = ()) -> HostPolicy:
 
 
 class GatewayGuard:
-    """ASGI middleware that refuses foreign hosts and pages, and seals the answers.
+    """ASGI middleware that refuses foreign hosts and pages, and adds security headers.
 
     Args:
         app: The application that it guards.

@@ -14,11 +14,11 @@ _REASON = "stop button of the dashboard"
 
 
 class StopButton:
-    """Stops the robot in any state of the station's interpreter.
+    """Stops the robot, even if the station's interpreter hangs.
 
     Args:
         api: The station.
-        token: Its token, which the watchdog takes as well.
+        token: Its token, which the watchdog accepts as well.
         watchdog_url: The listener of the station's watchdog; empty when there is none.
     """
 

@@ -2,8 +2,8 @@
 
 Viser has no login. It listens on a loopback port and refuses connections without the
 gateway's secret, because other users of the same machine reach loopback too. The check
-hooks into the `serve` that Viser calls, a private spot: `viser` is pinned and
-`tests/ui/gateway/test_viser_server.py` fails when the hook no longer holds.
+hooks into the `serve` that Viser calls, which is private. So `viser` is pinned, and
+`tests/ui/gateway/test_viser_server.py` fails when the hook no longer works.
 """
 
 import contextlib

@@ -7,13 +7,13 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
 
 async def until_first(*ends: "asyncio.Future[None]") -> None:
-    """Wait for the first of these, and cancel the others.
+    """Wait for the first of several ends, and cancel the others.
 
     Args:
         ends: The possible ends of the socket; all are over when this returns.
 
     Raises:
-        BaseException: An end raised it: an end that is expected returns.
+        BaseException: An end raised it; expected ends return instead.
     """
     try:
         await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)

@@ -22,13 +22,13 @@ class StationAccess:
 
 
 class StationFollower(Protocol):
-    """Says to which station a dashboard belongs, and when it has to end.
+    """Says to which station a dashboard belongs, and when the dashboard has to end.
 
     Attributes:
         access: The access to the station; None once it has ended, until another station
-            takes its place. Another program that answers at its address meanwhile
-            must not be sent its tokens.
-        is_over: The dashboard has to end.
+            takes its place. Its tokens must not be sent to another program that answers
+            at its address meanwhile.
+        is_over: Whether the dashboard has to end.
         is_serving: Set by the dashboard once it answers.
     """
 

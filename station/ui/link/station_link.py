@@ -37,7 +37,7 @@ _STATUS_PERIOD = 0.5
 _CONTROLLERS_PERIOD = 0.4
 _SCENE_PERIOD = 0.1
 _STILL_SCENE_PERIOD = 0.25
-"""The same for objects that only people move, add and remove."""
+"""Time between two requests for objects that only people move, add and remove [s]."""
 _RETRY = 0.5
 _SAMPLES, _ARMS, _SCENE = "controller_state/", "robot_state/", "scene"
 
@@ -238,7 +238,7 @@ class StationLink:
         self._view = replace(self._view, **changes)
 
     def _hear(self, **changes: Any) -> None:  # noqa: ANN401 - fields of the view
-        """Note news, and that the station was heard."""
+        """Note new values, and the time of their arrival."""
         self._note(heard_at=self.now(), failure="", **changes)
 
     async def _repeat(

@@ -21,8 +21,7 @@ class ArmFacts:
     Attributes:
         flange_to_tool: Pose of EE in the flange frame.
         tool_to_stiffness: Pose of K in EE.
-        force: Force on the robot at K, in the axes of its base [N]; None where the
-            arm cannot tell.
+        force: Force on the robot at K, in the axes of its base [N]; None while unknown.
         tool: Pose of EE in the frame of the base; None while unknown.
     """
 
@@ -108,7 +107,8 @@ class StationView:
 
     Attributes:
         now: Monotonic time at which this view was made [s].
-        heard_at: Time of the station's last message, same clock [s]; None: never.
+        heard_at: Time of the station's last message, on the same clock [s]; None
+            before.
         failure: Reason why the last request failed; empty when it did not.
         status: The station at a glance; None before the first answer.
         controllers: All loaded controllers.
@@ -118,7 +118,8 @@ class StationView:
         samples: The last samples of watched controllers, by controller.
         messages: Why a motion of an end effector waits or slows down, by controller.
         sliding: The drawn joints whose positions are lengths.
-        limits: Position limits that the robot keeps; joints without are not in it.
+        limits: Position limits that the robot keeps; joints without limits are left
+            out.
         arms: The tools of the Franka arms and the forces on them, by arm_id.
         base: Pose of a floating or driving base; None without one.
         objects: The objects around a simulated robot with their last known poses.
@@ -154,7 +155,7 @@ class StationView:
 
     @property
     def link(self) -> str:
-        """`live`, `stale` or `lost`."""
+        """State of the link: `live`, `stale` or `lost`."""
         age = self.age
         if age is None or age > LOST_AFTER:
             return "lost"

@@ -1,6 +1,6 @@
 """Show, take, hand over and give back control from the page.
 
-The station's answers name the lease to its holder. These routes take it out of them
+The station's answers to the holder contain the lease. These routes take the lease out
 and keep it in the gateway, so that no script of a page ever has it.
 """
 
@@ -70,7 +70,7 @@ class ControlRoutes:
     async def keep(self, session: "Session") -> None:
         """Send heartbeats while the session holds control; runs until cancelled.
 
-        It is to be called while a page of the session is open.
+        Call it while a page of the session is open.
         """
         while True:
             await asyncio.sleep(BEAT_PERIOD)

@@ -54,9 +54,9 @@ def offer_for(view: StationView, controller: ControllerState) -> Offer:
 def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
     """Return the running controllers that hold a joint of this controller.
 
-    A Franka runs a motion of its hand beside torques of its joints, but the torques
-    alone decide where the arm goes: a controller of one kind holds the joints of the
-    other, because an arm whose joints are held ignores a motion of its hand.
+    A Franka accepts a motion of its hand beside torques of its joints, but then the
+    torques alone decide where the arm goes. So a controller of either kind counts as a
+    holder of the joints of the other.
     """
     wanted = _joints_of(view, controller)
     return tuple(

@@ -14,7 +14,7 @@ from station.wire import ControllerState, Status
 _DEFAULT_KIND = "JointGroupPositionController"
 _DEFAULT_TYPE = f"effort_controllers/{_DEFAULT_KIND}"
 _MOST_NAMES = 3
-"""So many claimed resources are named in a row; of more there is the number."""
+"""Most claimed resources that a row names; for more, it shows their number."""
 _JOINT_NUMBER = re.compile(r"_joint(\d+)$")
 _STARTABLE = frozenset({"initialized", "stopped"})
 
@@ -41,11 +41,11 @@ class Enabling:
 
 
 def enabling(view: StationView) -> Enabling:
-    """Return the controller that makes the joints take values, if none of them runs.
+    """Return the controller to start so that joints take values, unless one runs.
 
-    The first loaded group position controller is the default, and with it those of
-    other joints, e.g. of a second arm; a station without one gets one over all its
-    joints but the fingers.
+    This is the first loaded group position controller, together with those of other
+    joints, e.g. of a second arm. If none is loaded, a new one for all joints but the
+    fingers is proposed.
     """
     if choose_for_joints(view)[0].name or view.status is None:
         return Enabling()
@@ -184,7 +184,7 @@ class BarState:
         rate_hz: Measured rate of the control loop [Hz].
         lateness_p99: p99 of the lateness of the cycles [s].
         real_time_factor: Station time over wall time, as measured; None while unknown.
-        paused: Simulated time stands still.
+        paused: Whether simulated time stands still.
         epoch: Changes at each stop, reset and recovery.
         message: The last refusal or failure, in the words of the station.
         refused: The last refusal of Viser's panel or of a pull while it is recent.

@@ -5,9 +5,9 @@ asks, e.g. a recorded or a planned pose; `DELETE /ui/ghost` hides it. A ghost is
 picture: no controller hears of it, so a viewer may show one, too. `PUT /ui/layers`
 chooses the layers over the robots, `PUT /ui/object` the object that arrows move,
 `POST /ui/camera` the place from which to look.
-`POST /ui/opened` says how much of the view a page hides that has just opened.
-`PUT /ui/scheme` says whether the page is dark, so that its 3D view is, too.
-A page in which links can be pulled says with `POST /ui/alive` that it lives.
+`POST /ui/opened` says how much of the view is hidden by a page that has just opened.
+`PUT /ui/scheme` says whether the page is dark, so that its 3D view is, too. A page in
+which links can be pulled says with `POST /ui/alive` that it still runs.
 """
 
 from collections.abc import Callable, Iterable
@@ -85,7 +85,7 @@ class CameraRequest(Body):
 
     Attributes:
         preset: Name of the place.
-        covered: Part of the picture at its left that the page covers by something else.
+        covered: Share of the picture, at its left, that the page covers, 0 to 0.6.
     """
 
     preset: str
@@ -96,7 +96,7 @@ class OpenedRequest(Body):
     """The part of the 3D view that a page hides when it opens.
 
     Attributes:
-        covered: Part of the picture at its left that the page covers by something else.
+        covered: Share of the picture, at its left, that the page covers, 0 to 0.6.
     """
 
     covered: float = Field(ge=0.0, le=0.6)
@@ -104,11 +104,11 @@ class OpenedRequest(Body):
 
 @dataclass(frozen=True, slots=True)
 class ShownViews:
-    """The views of all sessions, as another thread than Viser's reaches them.
+    """The views of all sessions, for threads other than Viser's.
 
     Attributes:
         views: The views; only attributes that never change may be read.
-        in_viser: Lets Viser's event loop call something soon.
+        in_viser: Schedules a call of a function in Viser's event loop.
     """
 
     views: SceneViews

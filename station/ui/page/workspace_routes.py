@@ -55,7 +55,7 @@ class WorkspaceParts:
         access: The credentials of the sessions at the station.
         triangles: How many triangles the drawn robots have.
         not_drawn: Why no robot is drawn; empty when there is no such reason.
-        movers: Commanders of joints, shared by all that command joints.
+        movers: The mover of each joint, shared by all that command joints.
     """
 
     view: Callable[[], StationView]
@@ -156,10 +156,10 @@ class WorkspaceRoutes:
         return JSONResponse({"yaml": text if params else ""})
 
     async def _aside(self, read: Callable[[], _T]) -> _T:
-        """Call `read` beside the event loop, which answers STOP: YAML is slow.
+        """Call `read` in a thread: YAML is slow, and the event loop answers STOP.
 
-        One at a time: more threads would share the same interpreter, and so slow down
-        the answer to a stop.
+        One call runs at a time, because more threads would share the interpreter, and
+        so slow down the answer to a stop.
         """
         return await anyio.to_thread.run_sync(read, limiter=self._one_text)
 

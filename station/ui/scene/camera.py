@@ -18,7 +18,7 @@ _DIRECTIONS: Mapping[str, tuple[float, float, float]] = {
     # Not quite from above: straight down there is no way that is up.
     "top": (-0.02, 0.0, 1.0),
 }
-"""Direction from what is looked at to the camera."""
+"""Direction from the target to the camera."""
 PRESETS = (*_DIRECTIONS, "hand")
 _ROOM_AROUND = 1.1
 _HAND_DISTANCE = 0.75  # [m]
@@ -39,8 +39,8 @@ def look(
             flange of the first one from near.
         robots: The robots to show; the camera stays when there are none.
         positions: Joint positions by name [rad] or [m].
-        covered: Part of the picture at its left, 0 to less than 1, in which the page
-            hides what is drawn: the robots are fitted into the rest.
+        covered: Share of the picture, at its left, that the page hides, 0 to less than
+            1: the robots are fitted into the rest.
     """
     if not robots:
         return

@@ -191,8 +191,8 @@ def load_robot(
         reference: `example-robot-data:<robot>` or the path of a URDF file.
         arm_id: Replaces `panda` in the names of a Panda's joints and links.
         base: Pose of the root link: x, y, z [m], roll, pitch, yaw [rad].
-        moves: Whether the root link moves in the world. Its pose is then that of
-            `moving_base.base_positions`, and `base` is not used.
+        moves: Whether the root link moves in the world. Its pose then follows from
+            `base_positions`, and `base` is not used.
 
     Returns:
         The robot with its meshes.

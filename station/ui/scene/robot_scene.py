@@ -21,7 +21,7 @@ _FROM /= np.linalg.norm(_FROM)
 # that moves shall stay in the picture.
 _ROOM_AROUND = 1.35
 _ASPECT = 1.35
-"""Width over height of a picture that is not known yet; few browsers show less."""
+"""Width over height of a picture of unknown size; few browsers show less."""
 _LEAST_STAND = 0.05  # [m]
 
 
@@ -35,7 +35,7 @@ class RobotScene:
         robot: The robot, with its visual meshes.
         root: Name of its scene node.
         beside: Robots that other objects of this class draw; the camera sees them too.
-        has_camera: Whether this robot places the camera, as one of several does.
+        has_camera: Whether this robot places the camera; one of several robots does.
 
     Attributes:
         base: Scene node of the robot's first link.
@@ -211,8 +211,8 @@ def _node_name(graph: SceneGraph, name: str, root: str) -> str:
 def color_by_vertices(mesh: trimesh.Trimesh) -> None:
     """Replace colours of the faces by colours of the vertices.
 
-    trimesh does the same when it copies or writes a mesh, but with SciPy: 113 MB for a
-    mean.
+    trimesh does the same when it copies or writes a mesh, but loads SciPy (113 MB) to
+    compute a mean.
 
     Args:
         mesh: Changed when its faces have colours; a vertex gets the mean colour of the

@@ -15,7 +15,7 @@ _FIXED = (176, 160, 140)
 _MOVABLE = (217, 128, 52)
 _OF_ROLE = {"keep_out": (196, 50, 50), "fence": (60, 120, 200)}
 _OPACITY = 0.25
-"""Of a place that is no body: what is behind it stays visible."""
+"""Opacity of a place that is not a body, so that things behind it stay visible."""
 _WALL = 2.0
 """Edge of the part of a half-space's surface that is drawn [m]."""
 
@@ -77,7 +77,7 @@ def _colour_of(thing: SceneObject) -> tuple[int, int, int]:
 
 
 def _shape_of(thing: SceneObject) -> object:
-    """Return the shape, which a drawing cannot change: it has to be made anew."""
+    """Return the shape of an object; an object whose shape changes is drawn anew."""
     return thing.type, thing.size, thing.file, thing.role, thing.colour
 
 

@@ -45,7 +45,7 @@ _GHOST_COLOUR = (138, 84, 214)
 _LABEL_HEIGHT = 0.05  # [m]
 _SAME_PLACE = 1e-3  # [m]
 _UNPLACED = (3.0, 3.0, 3.0)
-"""The place of the camera of a page that has not read its first place yet [m]."""
+"""Position of the camera in a page that has not read its initial position yet [m]."""
 
 
 class CollisionLayer(Layer):
@@ -106,8 +106,8 @@ class SceneViews:
     Args:
         robots: The robots that are drawn.
         key_of: Returns the key of the session of a browser; empty when it is unknown.
-        pushing: How browsers push the robots.
-        first_place: Returns where the camera of every browser is at first, shape (3,).
+        pushing: Pushes links and moves objects for browsers.
+        first_place: Returns the initial position of every camera [m], shape (3,).
     """
 
     def __init__(
@@ -168,7 +168,7 @@ class SceneViews:
             self._show_ghost(drawn)
 
     def choose(self, key: str, layers: Collection[str]) -> None:
-        """Lay these things over the robots in the browsers of one session.
+        """Show these layers, and no others, in the browsers of one session.
 
         Args:
             key: Key of the session.
@@ -230,7 +230,7 @@ class SceneViews:
             paint(drawn.client, is_dark=is_dark)
 
     def alive(self, key: str) -> None:
-        """Note that the page of a session lives, so that its pull goes on.
+        """Note that the page of a session still runs, so that its pull goes on.
 
         Args:
             key: Key of the session.
@@ -317,7 +317,7 @@ class SceneViews:
 
 
 def _is_same(place: ArrayLike, other: ArrayLike) -> bool:
-    """Return whether two places [m] are one; their shape is (3,)."""
+    """Return whether two positions [m] are the same; their shape is (3,)."""
     return float(np.abs(np.subtract(place, other)).max()) < _SAME_PLACE
 
 
@@ -325,7 +325,7 @@ _Value = TypeVar("_Value")
 
 
 def _keep(kept: dict[str, _Value], key: str, value: _Value) -> None:
-    """Keep a value as the newest one, and forget the oldest one of too many."""
+    """Keep a value as the newest one; beyond `MOST_KEPT`, forget the oldest."""
     kept.pop(key, None)
     kept[key] = value
     if len(kept) > MOST_KEPT:

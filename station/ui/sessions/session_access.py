@@ -32,17 +32,17 @@ class _Lease:
 class SessionAccess:
     """The credentials of the dashboard's sessions at the station.
 
-    A session that logged in with a token of the station's start has no token of its
-    own: it is served with that of its role, also after the station has restarted with
-    other tokens. A session of a named token keeps it.
+    A session that logged in with a token that the station makes at every start keeps no
+    token: its requests carry the present token for its role, also after a restart of
+    the station. A session of a named token keeps that token.
 
     Args:
         station: How to reach the station.
         lease_changed: Called with the lease that some session of this dashboard holds,
-            or None, whenever it becomes another.
+            or None, whenever the lease changes.
         now: Monotonic clock [s].
-        follows: Whether `move_to` is called at every start of the station. If not, a
-            station that was started anew is known by its refusals only.
+        follows: Whether `move_to` is called at every start of the station. If not, only
+            refusals show that a station was started anew.
         ca: File of the certificates to trust with https; None for those of the station
             on this machine, or of the system.
 
@@ -107,7 +107,7 @@ class SessionAccess:
             self._is_back.set()
 
     def own_token(self, token: str) -> str:
-        """Return the token that a session keeps of its login.
+        """Return the token that a session keeps from its login.
 
         Args:
             token: The token.
@@ -135,10 +135,10 @@ class SessionAccess:
         return self._station.viewer_token or _NO_TOKEN
 
     def is_withdrawn(self, session: Session, token: str | None) -> bool:
-        """Return whether a session is over since the station does not know its token.
+        """Return whether a session is over because the station refuses its token.
 
-        A station that was started anew does not know the tokens that the former one
-        made. That ends no session: this dashboard is about to hear of the new ones.
+        A station that was started anew refuses the tokens that its predecessor made.
+        This ends no session, because the dashboard soon gets the new tokens.
 
         Args:
             session: Session whose request was refused.
@@ -176,11 +176,12 @@ class SessionAccess:
     def acting_for(self, session: Session) -> AsyncStationClient:
         """Return a client, shared by all, that acts for a session in its next request.
 
-        For requests that pages send every second: opening a client takes 20 ms of CPU.
+        Use it for requests that pages send every second, because opening a client takes
+        20 ms of CPU.
 
         Args:
             session: The session that acts. The request has to begin before anything
-                else is awaited, or it may be another session's.
+                else is awaited, or it may act for another session.
         """
         if self._shared is None:
             self._shared = self.client_of(session)
@@ -205,8 +206,8 @@ class SessionAccess:
     def role_at_viser(self, session: Session) -> Role:
         """Return the role of a session at Viser's panel, which all browsers share.
 
-        While another session holds control, that panel acts under its lease. All other
-        sessions may only watch, or the lease would serve two people.
+        The panel acts under the lease of the session that holds control. All other
+        sessions may then only watch, so that no second person uses that lease.
         """
         lease = self._present()
         is_others = lease is not None and lease.session is not session
@@ -242,7 +243,7 @@ class SessionAccess:
             self._set(None)
 
     def _present(self) -> _Lease | None:
-        """Return the lease while it lasts; after that the station may have given it."""
+        """Return the lease until its deadline; then another client may have control."""
         lease = self._lease
         return lease if lease is not None and self._now() < lease.deadline else None
 

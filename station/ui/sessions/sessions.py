@@ -13,10 +13,10 @@ SESSION_LIFETIME = 12 * 3600.0
 """Duration of a login [s]; every request renews it."""
 
 SAVE_PERIOD = 60.0
-"""Time between two notes on disk of the last use of the sessions [s]."""
+"""Time between two saves of when the sessions were last used [s]."""
 
 EXPIRY_PERIOD = 1.0
-"""Time between two looks of an open socket at the end of its session [s]."""
+"""Time between two checks whether the session of an open socket has ended [s]."""
 
 
 class Role(Enum):
@@ -33,10 +33,10 @@ class Session:
     Attributes:
         identifier: Random value of its cookie.
         role: Its role.
-        token: The named token that it logged in with, which never leaves the gateway
-            but for the station; empty for a token of the station's start, for which the
-            role stands.
-        key: Names the session where its cookie must not be known, as to Viser.
+        token: The named token of its login, which the gateway sends to the station
+            only; empty for a token that the station makes at its start, because then
+            the role suffices.
+        key: Name of the session for programs that must not know its cookie, e.g. Viser.
         closed: Set when the session is closed, or dropped for a newer one.
     """
 
@@ -72,16 +72,16 @@ class SessionStore(Protocol):
         ...
 
     def save(self, sessions: Sequence[KeptSession]) -> None:
-        """Keep these, oldest first."""
+        """Save the sessions, oldest first."""
         ...
 
     def move_to(self, station: str) -> None:
-        """Keep them for the station at this address from now on."""
+        """Keep the sessions for the station at this address from now on."""
         ...
 
 
 class Sessions:
-    """Keeps the logged-in browsers; forgets those that stay away.
+    """Keeps the logged-in browsers; forgets those without requests for too long.
 
     The station's token itself never becomes a cookie: a stolen cookie is worth
     nothing at the API.
@@ -90,7 +90,7 @@ class Sessions:
         now: Clock [s] that goes on while no dashboard runs.
         limit: Most sessions kept for each role; of the same role the oldest goes first,
             so that no viewer can end an operator's session.
-        store: File in which they outlive a dashboard; None keeps none.
+        store: File in which the sessions outlive a dashboard; None keeps none.
     """
 
     def __init__(
@@ -115,8 +115,8 @@ class Sessions:
 
         Args:
             role: The role of the browser.
-            token: The named token with which it has logged in; empty for a token of
-                the station's start.
+            token: The named token with which it has logged in; empty for a token that
+                the station makes at its start.
         """
         self._forget_expired()
         # Of one role alone: a viewer could otherwise end the sessions of operators by

@@ -28,7 +28,7 @@ def choose_for_joints(view: StationView) -> tuple[CommandedController, ...]:
     Two arms may have a controller each. No two of them command the same joint.
 
     Returns:
-        At least one; where there is none, an entry without name has the reason.
+        The controllers; if there are none, one entry without a name has the reason.
     """
     found = tuple(
         CommandedController(controller.name, tuple(elements), view.blocked())
@@ -68,7 +68,7 @@ def choose_for_hand(
         view: The dashboard's knowledge of the station.
         names: The elements, `TWIST` or `POSE`.
         kind: End of the type of such controllers, e.g. `CartesianJogController`.
-        arm: The arm whose end effector is moved; empty where there is one at most.
+        arm: The arm whose end effector is moved; empty unless there are several.
     """
     controllers = [c for c in view.controllers if not arm or arm in view.arms_of(c)]
     for controller in controllers:
@@ -94,7 +94,8 @@ def arms_to_move(view: StationView) -> list[str]:
     """Return the arms between which a person chooses.
 
     Returns:
-        One empty name where there are not several: any controller is of that arm.
+        Their names; one empty name if there are fewer than two, because every
+        controller then belongs to the same arm.
     """
     arms = [] if view.status is None else [arm.arm_id for arm in view.status.robots]
     return arms if len(arms) > 1 else [""]

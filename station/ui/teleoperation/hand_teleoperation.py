@@ -74,7 +74,7 @@ class HeldButtons:
         self._moving = False
 
     def twist(self, now: float, speed: HandSpeed) -> list[float] | None:
-        """Return the set-point to send: one zero after a motion, then None.
+        """Return the twist to send; after a motion zero once, and then None.
 
         Args:
             now: Monotonic time [s].
@@ -143,7 +143,7 @@ class HandTeleoperation:
     """The commands of one person to one end effector.
 
     Args:
-        arm: The arm that carries it; empty where there are not several.
+        arm: The arm that carries it; empty unless there are several.
 
     Attributes:
         jog: The controller that held buttons command, or the reason for none.
@@ -205,7 +205,7 @@ class HandTeleoperation:
         Args:
             axis: Index in `TWIST`.
             sign: 1 or -1, or the deflection of a stick between them.
-            now: Monotonic time [s] at which the browser said so.
+            now: Monotonic time of the browser's message [s].
 
         Returns:
             Why it does not move; empty when it does.
@@ -222,8 +222,8 @@ class HandTeleoperation:
             pose: x, y, z in the arm's base [m], or all of `POSE`; the orientation stays
                 as it is without one.
             now: Monotonic time [s].
-            step_in: Frame in whose axes all of `POSE` are a step, `base` or `tool`;
-                empty for a pose.
+            step_in: Frame, `base` or `tool`, in whose axes `pose` is a step; empty if
+                `pose` is a target.
 
         Returns:
             Why it does not move; empty when it does.
@@ -298,7 +298,7 @@ class HandsTeleoperation:
             hand.refresh(view)
 
     def of(self, arm: str) -> HandTeleoperation | None:
-        """Return the hand of an arm; a single arm is also meant by its own name."""
+        """Return the hand of an arm; if there is only one, any name returns it."""
         return self._hands.get(arm, self._hands.get(""))
 
     def targets(self) -> set[str]:

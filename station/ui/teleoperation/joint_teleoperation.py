@@ -1,8 +1,9 @@
 """The commands of one person to joints: values, and buttons held down.
 
-A value travels to the robot as set-points of limited speed, so that a far value is no
-step. A held button moves its joint until it is released or its browser falls silent.
-After anything unexpected (a stop, another controller, a refusal) nothing more is sent.
+A value is sent to the robot as set-points of limited speed, so that a distant value
+does not make a step. A held button moves its joint until it is released or its browser
+falls silent. After anything unexpected (a stop, another controller, a refusal) nothing
+more is sent.
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -23,7 +24,7 @@ A browser that draws slowly repeats the message late, but reports a release at o
 AHEAD = 1.0
 """Distance that a held button aims ahead where a joint has no limit [rad] or [m].
 
-It is more than the joint can go before the button has to be heard of again.
+This is more than a joint moves before the button's next message is due.
 """
 SHOWN_FOR = 1.0
 """Time for which a released slider keeps its value before it follows the robot [s]."""
@@ -72,8 +73,8 @@ class _Motion:
     Attributes:
         target: The wanted value.
         current: The value of the last set-point.
-        held_at: When its button was heard of last [s]; None for a typed value.
-        is_confirmed: The station has taken a set-point of it.
+        held_at: Time of the last message about its button [s]; None for a typed value.
+        is_confirmed: Whether the station has taken a set-point of the motion.
     """
 
     target: float
@@ -85,11 +86,11 @@ class _Motion:
 class JointTeleoperation:
     """The joint commands of one person, whichever controllers take them.
 
-    It decides about the joints that it moves and about no other: another client may
-    move those meanwhile.
+    It commands only the joints that it moves, so that another client may move the other
+    joints meanwhile.
 
     Args:
-        movers: Shared by everybody who commands joints.
+        movers: The mover of each joint, shared by all that command joints.
 
     Attributes:
         speed: Fastest change of a position [rad/s] or [m/s]; other quantities are sent
@@ -179,7 +180,7 @@ class JointTeleoperation:
         Args:
             name: The joint.
             sign: 1 or -1.
-            now: Monotonic time [s] at which the browser said so.
+            now: Monotonic time of the browser's message [s].
 
         Returns:
             Why it does not move; empty when it does.
@@ -226,7 +227,8 @@ class JointTeleoperation:
     def confirm(self, controller: str) -> None:
         """Note that the station took the last set-point of a controller.
 
-        Before that, no motion of another person ends: the station may refuse this one.
+        Only now does another person's motion of the same joints end, because the
+        station might have refused the set-point.
         """
         for name in self._unconfirmed.pop(controller, ()):
             self._movers.take(name, self)
@@ -327,7 +329,7 @@ class JointTeleoperation:
         )
 
     def _refusal_of(self, name: str, target: float | None = None) -> str:
-        """Return the reason why an element cannot be moved so far; empty otherwise."""
+        """Return the reason why an element cannot be moved there; empty if it can."""
         if not any(element.name == name for element in self.elements):
             first = self._chosen[0]
             if first.reason or not first.name:

@@ -39,7 +39,7 @@ class Teleoperation:
     Args:
         client: The station; with the credential under which the person acts.
         view: Returns the dashboard's knowledge of the station.
-        movers: Shared by everybody who commands joints.
+        movers: The mover of each joint, shared by all that command joints.
         renew: Lets the client act with the present credential of its session, and
             returns the lease of control that it acts under; None without one.
         now: Monotonic clock [s].
@@ -84,7 +84,8 @@ class Teleoperation:
         """Move while a button is held.
 
         Args:
-            hold: Notes at a joint or a hand that its button is held at a time.
+            hold: Function that tells a joint or a hand that its button is held at a
+                time [s].
 
         Returns:
             Why it does not move; empty when it does.

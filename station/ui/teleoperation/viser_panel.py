@@ -392,7 +392,7 @@ class HandArrows:
         teleoperation: The commands of this panel.
         reporter: Shows what is in the way of a hand.
         base: Scene node of the arm's base frame.
-        arm: The arm of the end effector; empty where there are not several.
+        arm: The arm of the end effector; empty unless there are several.
 
     Attributes:
         teleoperation: The commands of this panel.

@@ -31,8 +31,8 @@ class ForcesLayer(Layer):
     """The external force on each Franka arm, as the arm estimates it, at its K frame.
 
     In simulation also the points at which bodies touch, with their forces. All arrows
-    begin where the force acts: what pushes an arm lies behind such an arrow and would
-    hide one that ends there.
+    begin where the force acts, because the pushing body would hide an arrow that ends
+    there.
     """
 
     @override
@@ -116,7 +116,8 @@ class _Touch:
     Attributes:
         text: Names of the touching bodies.
         point: The point [m], shape (3,).
-        force: On a link of a robot if one of the two bodies is one [N], shape (3,).
+        force: Force on the body that `text` names first: a link of a robot, if either
+            body is one [N], shape (3,).
         is_of_robot: Whether one of the two bodies is a link of a robot.
     """
 
@@ -186,7 +187,7 @@ class _Contacts:
     def _name_strongest(self, touches: Sequence[_Touch]) -> None:
         """Name the two bodies that press most; others stay unnamed.
 
-        A hand that grasps touches in eight points, and as many texts hide them.
+        A grasping hand touches at eight points, which eight texts would hide.
         """
         pairs: dict[str, list[_Touch]] = {}
         for one in touches:

@@ -57,7 +57,7 @@ class PlacedRobot:
 
 @dataclass(frozen=True, slots=True)
 class SceneFacts:
-    """The newest of everything that a layer may draw.
+    """The newest data that layers may draw.
 
     Attributes:
         positions: Measured joint positions by name [rad] or [m].
@@ -82,7 +82,7 @@ class Removable(Protocol):
     """A removable part of a scene: a node, or several nodes."""
 
     def remove(self) -> None:
-        """Take it out of the scene."""
+        """Take the part out of the scene."""
 
 
 class Layer(ABC):

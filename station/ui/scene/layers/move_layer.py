@@ -20,7 +20,7 @@ class MoveLayer(Layer):
 
     Args:
         client: The browser.
-        acting: How this browser moves objects.
+        acting: Moves objects for this browser.
         key: Key of its session.
         name: The object.
     """

@@ -1,8 +1,8 @@
 """The layer in which a link is pulled with the pointer: a force on a simulated arm.
 
-A push is held. Each request pushes for `PUSH_TIME` and is repeated while the pointer
-holds the link and the page says that it lives, so that the push ends by itself when the
-browser, the dashboard or the way between them is lost.
+Each request pushes for `PUSH_TIME` and is repeated while the pointer holds the link and
+the page says that it still runs. So the push ends by itself when the browser, the
+dashboard or the link between them is lost.
 """
 
 import asyncio
@@ -27,7 +27,7 @@ PUSH_TIME = 0.2
 PUSH_PERIOD = 0.1
 """Time between two requests [s]."""
 ALIVE_FOR = 0.3
-"""Time for which a page counts as living after its last message [s]."""
+"""Time for which a page counts as running after its last message [s]."""
 STIFFNESS = 80.0
 """Force for each metre between the link and the pointer [N/m]."""
 STRONGEST = 40.0
@@ -57,7 +57,7 @@ async def act_for_nobody(key: str, *_: object) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Pushing:
-    """The way in which the browsers of a session push, and move objects.
+    """Functions by which the browsers of a session push links and move objects.
 
     Attributes:
         send: Pushes for a session.
@@ -88,7 +88,7 @@ class PushLayer(Layer):
     Args:
         client: The browser.
         robots: The robots in the scene.
-        pushing: How this browser pushes.
+        pushing: Pushes links for this browser.
         key: Key of its session.
     """
 
@@ -119,7 +119,7 @@ class PushLayer(Layer):
                 self.nodes[path] = node
 
     def alive(self) -> None:
-        """Note that the page lives."""
+        """Note that the page still runs."""
         self._alive_at = self._pushing.now()
 
     @override

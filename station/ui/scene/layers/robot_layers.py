@@ -84,7 +84,7 @@ _LARGER = 1.02
 
 
 class LimitsLayer(Layer):
-    """Tints the link that a joint near its limit moves, and shows the room left."""
+    """Tints each link whose joint is near a limit, and shows the angle to the limit."""
 
     @override
     def begin(self) -> None:
@@ -122,7 +122,7 @@ class LimitsLayer(Layer):
 def nearness(joint: Joint, facts: SceneFacts) -> str:
     """Return the text on a joint that is near a limit; empty for another.
 
-    Fingers open and close to their ends as they should and are never near.
+    Fingers never count as near, because they reach their limits in normal use.
     """
     ends, q = facts.limits.get(joint.name), facts.positions.get(joint.name)
     # A finger is at an end whenever the hand is open or closed.
@@ -142,8 +142,8 @@ _LABEL = "commanded pose"
 _LABEL_HEIGHT = 0.15
 """Height of the words over the highest frame of a link [m]."""
 _APART, _TOGETHER = 0.03, 0.015
-"""Largest distance of a joint to its command from which the figure is shown, and below
-which it goes [rad] or [m]; a difference keeps it from flickering."""
+"""Distances of a joint from its command [rad] or [m]: the figure is shown above the
+first, and hidden below the second, so that it does not flicker."""
 
 
 class CommandedLayer(Layer):
