@@ -20,7 +20,7 @@ from station.local.descriptors import most_files, shortage
 PERIOD = 0.001
 """Period of the trial loop [s]."""
 GOOD_LATENESS, FAIR_LATENESS = 0.0003, 0.001
-"""Limits of the p99 of the wake-up lateness for a good and for a fair clock [s]."""
+"""Largest p99 of the lateness of wake-ups of a good and of a fair clock [s]."""
 _PACKAGES = ("numpy", "mujoco", "fastapi", "uvicorn", "viser")
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "firefox")
 _GOVERNOR = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")

@@ -31,7 +31,7 @@ class Portal:
         self.forget()
 
     def forget(self) -> None:
-        """Use a new loop from now on, after a fork, whose child has no such thread."""
+        """Use a new loop from now on, as a forked child lacks the old loop's thread."""
         self._lock = threading.Lock()
         self._users: set[object] = set()
         self._stop: Callable[[], None] = _do_nothing

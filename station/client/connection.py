@@ -39,10 +39,10 @@ Query = Mapping[str, str | list[str]]
 class Promptness:
     """Computes the latest time, by the station's clock, at which a change may begin.
 
-    The clocks of two machines may differ, so it estimates the station's clock from the
-    times in its answers and the time that has passed here since. An answer that was
-    read late gives too early a time, so the latest of the last estimates counts. Any
-    thread may use it.
+    The clocks of two machines may differ, so the station's clock is estimated from the
+    times in the station's answers and the time that has passed here since. An answer
+    that was read late gives too early a time, so the latest of the last estimates
+    counts. Any thread may use it.
 
     Args:
         within: Longest time from sending a change to its begin [s], > 0.

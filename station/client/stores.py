@@ -39,7 +39,7 @@ class AsyncFilesClient(ClientPart):
     """Common part of the clients of recordings and incidents."""
 
     async def list(self) -> list[wire.Recording]:
-        """Return all of them, the oldest first."""
+        """Return all recordings or incidents, the oldest first."""
         return (await self._get(self._path, wire.Recordings)).recordings
 
     async def get(self, identifier: str) -> wire.Recording:
@@ -561,7 +561,7 @@ class AsyncExperimentsClient(NamedThings[Experiment]):
         return (await self._get(self._of(name, "best"), ExperimentTrials, query)).trials
 
     async def responses(self, name: str) -> list[ExperimentResponse]:
-        """Return the kept responses: of first and best trial, or of the worst ones."""
+        """Return the kept responses of the first and best trial, or of the worst."""
         path = self._of(name, "responses")
         return (await self._get(path, ExperimentResponses)).responses
 

@@ -445,7 +445,7 @@ class AsyncCommandStream:
         await self.post(written(values, epoch, rates))
 
     async def post(self, message: str) -> None:
-        """Send an encoded set-point; it raises the errors of `send`."""
+        """Send an encoded set-point; raise the errors of `send`."""
         try:
             await self.link().send(message)
         except (OSError, WebSocketException) as error:

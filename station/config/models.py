@@ -319,7 +319,7 @@ class AgentsSection(_Section):
         approval: `always`: a person allows each change; `never`: no person is asked,
             which is possible only in a simulation that is paused and stepped.
         wait: How long a request waits for a person [s].
-        envelope: Bounds on their motions.
+        envelope: Bounds on the motions of agents.
     """
 
     approval: Literal["always", "never"] = "always"

@@ -23,9 +23,9 @@ between them."""
 QUIET = 1.0
 """Time without a missed deadline after which a burst is over [s]."""
 FIRST_FOLD, LONGEST_FOLD = 60.0, 3600.0
-"""Time for which the bursts after a reported one are counted, to be reported together
-[s]. It begins with the first value and grows by a factor of four up to the second,
-since a machine that is too slow stays too slow."""
+"""After a reported burst, further bursts are counted for this time and then reported
+together [s]. It begins with the first value and grows by factors of four up to the
+second, since a machine that is too slow stays too slow."""
 CALM = 600.0
 """Time without a burst after which the next burst is reported at once [s]."""
 _ADVICE = (

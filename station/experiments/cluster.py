@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 class ClusterExecutor(Executor):
-    """Gives work to the workers of a cluster that would compute the same as the caller.
+    """Gives work to those workers of a cluster that compute the same as the caller.
 
     Dask repeats the tasks of a worker that is lost. Workers that join later are
     compared with the caller before they get work. A worker that differs gets no work,
@@ -32,7 +32,7 @@ class ClusterExecutor(Executor):
 
     Attributes:
         refused: Reason for which a worker gets no work, by its address.
-        worker_losses: Types of the error of a task that several workers have died of.
+        worker_losses: Types of error of a task during which several workers have died.
 
     Raises:
         ExperimentError: The address is malformed, the scheduler does not answer, or has

@@ -82,7 +82,7 @@ class Search:
 def tunable_gains(
     gains: Mapping[str, float], suffixes: Sequence[str] = ("p", "i", "d")
 ) -> dict[str, float]:
-    """Return the gains that a search changes: positive ones with a suffix.
+    """Return the gains that a search changes: positive ones with one of the suffixes.
 
     A gain of 0 stays 0, because the search multiplies gains by factors.
 

@@ -35,7 +35,7 @@ class StationEnv(gymnasium.Env[Observation, Array]):
 
     An action is a set-point of one controller, in its units. A number beyond the range
     is clipped to the range, as Gymnasium's own environments do; a number that is not
-    finite is refused. The controller limits, filters and checks the action as every
+    finite is refused. The controller limits, filters and checks the action like every
     set-point. The quaternion of a pose is scaled to length 1.
 
     An observation has `position` [rad or m], `velocity` and `effort` of all joints,

@@ -276,7 +276,7 @@ class Layout:
 
 
 class Form:
-    """The places of the numbers in messages with the texts and lengths of one message.
+    """The places of the numbers in messages that have the texts and lengths of `data`.
 
     Reading with a form is one call of `struct`, and skips unwanted fields.
 

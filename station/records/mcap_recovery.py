@@ -214,7 +214,7 @@ def _mend(file: BinaryIO, content: Content) -> None:
 
 
 def _fill(file: BinaryIO, begin: int, end: int, wanted: list[bytes]) -> None:
-    """Overwrite some bytes by as many of these records as fit, and one to skip."""
+    """Fill a span with as many of these records as fit, and one that readers skip."""
     data = b""
     for record in wanted:
         left = end - begin - len(data) - len(record)

@@ -181,7 +181,7 @@ class Tube(CycleTap[None]):
         self._begin: float | None = None
 
     def expect(self, receipt: Receipt) -> None:
-        """Watch from the cycle that takes a command; call this before giving it.
+        """Watch from the cycle that takes a command; call this before the command.
 
         Args:
             receipt: Notes the cycle that takes the command.

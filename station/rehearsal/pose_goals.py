@@ -31,7 +31,7 @@ _DAMPING = 1e-5
 _APART = 0.1
 """Two solutions whose joints all differ by less are the same [rad]."""
 _AT_LIMIT = 1e-3
-"""Distance from the end of a joint's range that counts as its end [rad]."""
+"""Largest distance from the end of its range at which a joint is at the end [rad]."""
 
 
 class EndEffector:

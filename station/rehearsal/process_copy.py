@@ -52,8 +52,7 @@ def run_in_copy(
             work. Its result is pickled; None means that the copy was made at an
             unsuitable moment.
         wait: Called before each copy is made; waits for a good moment.
-        patience: A copy that has not said for so long that it makes progress is ended
-            [s].
+        patience: Time without a sign of progress after which a copy is ended [s].
 
     Raises:
         RehearsalError: This system cannot copy a process, or no copy has returned a

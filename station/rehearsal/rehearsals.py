@@ -89,7 +89,7 @@ class TooManyRehearsalsError(StationError, RuntimeError):
 
 
 class Policy(StrEnum):
-    """Need of a rehearsal before a motion."""
+    """Rule that says whether a motion needs a rehearsal."""
 
     OFF = "off"
     """A motion needs no rehearsal."""
@@ -419,9 +419,9 @@ class Rehearsals:
             command: The command, as a step of a rehearsal.
 
         Raises:
-            CertificateNotFoundError: There is no such certificate, or no longer.
-            CertificateVoidError: It is for another command, or something that matters
-                has changed; nothing moves.
+            CertificateNotFoundError: The certificate does not exist, or has expired.
+            CertificateVoidError: The certificate is for another command, or a condition
+                of the rehearsal has changed; nothing moves.
             LoopError: The loop died or hangs.
         """
         if certificate is None:
@@ -443,7 +443,7 @@ class Rehearsals:
         Raises:
             RehearsalNeededError: The policy requires a rehearsal, and the motion has no
                 certificate.
-            CertificateNotFoundError: There is no such certificate, or no longer.
+            CertificateNotFoundError: The certificate does not exist, or has expired.
             CertificateVoidError: A condition of the rehearsal has changed.
             LoopError: The loop died or hangs.
         """

@@ -8,8 +8,8 @@ class TestMyRobot(RobotConformance):
     parameters = {"joints": ["shoulder", "elbow"]}
 ```
 
-It is for tests only: nothing else of the station imports it. The suites need pytest,
-which is imported with the first suite; they need no plug-in.
+This package is for tests only: nothing else of the station imports it. The suites need
+pytest, which is imported with the first suite; they need no plug-in.
 """
 
 from importlib import import_module

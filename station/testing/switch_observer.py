@@ -176,7 +176,7 @@ class SwitchObserver:
         return self._running[max(bisect_right(self._cycles, cycle) - 1, 0)]
 
     def untruth(self, result: SwitchResult) -> str | None:
-        """Return a false statement in the answer to a switch; None if it is true.
+        """Return a false statement in the answer to a switch; None if there is none.
 
         Args:
             result: The answer; its cycle must have been checked.

@@ -3,11 +3,11 @@
 ```
 StationError
 └── ExperimentError            an experiment cannot be carried out
-    ├── UnknownParameterError  a trial names a parameter that there is not (KeyError)
+    ├── UnknownParameterError  a trial names an unknown parameter (KeyError)
     ├── ImpossibleRangeError   a value or range is not allowed (ValueError)
     ├── WorkerMismatchError    a worker has another version or configuration
     ├── ExperimentNotFoundError   there is no experiment of that name (KeyError)
-    ├── ExperimentRunningError    not possible while it runs, or while it does not
+    ├── ExperimentRunningError    its state, running or not, does not allow this
     ├── LessonNotFoundError       there is no lesson of that name (KeyError)
     ├── BenchRunNotFoundError     there is no kept run of that name (KeyError)
     ├── BenchRefusedError         a measurement cannot be done, or was ended

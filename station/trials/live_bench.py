@@ -376,7 +376,7 @@ class LiveBench:
     def _brake(
         self, controller: str, begin: list[float], admit: Callable[[], None]
     ) -> None:
-        """Make the present positions the set-points; the last ones are farther away."""
+        """Make the present positions the set-points, in place of those farther away."""
         station = self._station
         if station.manager.get_controller(controller).trajectories is None:
             here = dict(

@@ -226,7 +226,7 @@ class Results:
 
     @contextmanager
     def running(self) -> Iterator[None]:
-        """Keep other processes from running or deleting it in a `with` body.
+        """Keep the experiment from other runs and from deletion in a `with` body.
 
         Raises:
             ExperimentError: Another process runs the experiment.

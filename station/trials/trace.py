@@ -27,7 +27,7 @@ class Trace:
         velocity: Measured velocities [rad/s or m/s], shape (k, n).
         effort: Measured efforts [Nm or N], shape (k, n).
         desired: Set-points of the controller [unit of the set-point], shape (k, n); NaN
-            in cycles in which it did not run.
+            in cycles in which the controller did not run.
         error: Control errors as the controller computes them [unit of the set-point],
             shape (k, n).
         output: Commands of the controller [unit of its interface], shape (k, n).

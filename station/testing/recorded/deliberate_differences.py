@@ -1,4 +1,4 @@
-"""Deliberate differences between the manager and ros_control's one, with reasons.
+"""Deliberate differences of the manager from ros_control's manager, with reasons.
 
 `recorded_behaviour.py` applies the differences that affect a recorded run (refusals,
 CM-32, CM-25, CM-67) to the recording, and compares everything else word by word.

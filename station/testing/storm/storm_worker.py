@@ -302,7 +302,7 @@ class Disturbances:
             self._count += 1
 
     def stamp(self) -> int | None:
-        """Return the count of entries and exits; None while a thread is inside."""
+        """Return the count of begins and ends; None while an action is under way."""
         with self._lock:
             return None if self._active else self._count
 
