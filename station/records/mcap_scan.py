@@ -371,7 +371,7 @@ class McapScan:
         return opcode in _KINDS or opcode >= _OWN_OPCODES
 
     def _body(self, at: int) -> tuple[int, bytes] | None:
-        """Return opcode and content of a record; None when it cannot be one."""
+        """Return opcode and content of a record; None if the bytes cannot be one."""
         head = self._head(at)
         if head is None:
             return None
@@ -379,7 +379,7 @@ class McapScan:
         return opcode, self._read(at + HEAD.size, length)
 
     def _head(self, at: int) -> tuple[int, int] | None:
-        """Return opcode and length of a record; None when it cannot be one."""
+        """Return opcode and length of a record; None if the bytes cannot be one."""
         head = self._read(at, HEAD.size)
         if len(head) < HEAD.size:
             return None

@@ -300,7 +300,7 @@ class ForceTorqueCollisionBehavior(RequestModel):
 
 
 class FullCollisionBehavior(ForceTorqueCollisionBehavior):
-    """Thresholds of `set_collision_behavior`, with others while the motion accelerates.
+    """Thresholds of `set_collision_behavior`, with separate ones while accelerating.
 
     Attributes:
         lower_torque_thresholds_acceleration: Torques of a contact [Nm], >= 0,

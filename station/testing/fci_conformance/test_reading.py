@@ -42,7 +42,7 @@ from station.testing.fci_conformance.trajectories import farthest
 
 GRAVITY = 9.81
 SAME_POSE = 0.01
-"""Largest distance of O_T_EE from the textbook kinematics: real arms are calibrated."""
+"""Largest error of O_T_EE by textbook kinematics, as real arms are calibrated."""
 THRESHOLDS = {
     f"{bound}_{kind}_thresholds_{phase}": values
     for kind, values in (

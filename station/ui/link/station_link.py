@@ -118,8 +118,8 @@ class StationLink:
 
         Args:
             seconds: Longest wait [s].
-            wakes: `_wakes` before the request that this pause follows. A request that
-                was on its way when `wake` was called went to the former station.
+            wakes: Value of `_wakes` before the request that this pause follows. If it
+                has changed, the request went to the former station, and nothing waits.
         """
         if wakes != self._wakes:
             return
