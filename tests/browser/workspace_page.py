@@ -88,6 +88,12 @@ def position(client, joint):
     return joints.position[joints.name.index(joint)]
 
 
+def let_pass(client, seconds):
+    """Wait until so much station time has passed [s]; callers assert it."""
+    end = client.status().time + seconds
+    return wait_until(lambda: client.status().time > end)
+
+
 def run_alone(client, *names):
     """Let these controllers run, and no others but the one that tells the states."""
     running = {one.name for one in client.controllers() if one.state == "running"}

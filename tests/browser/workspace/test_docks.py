@@ -8,6 +8,7 @@ from tests.browser.workspace_page import (
     CONTROLLER,
     OTHER,
     WorkspacePage,
+    let_pass,
     position,
     wait_until,
     without_scene,
@@ -145,8 +146,7 @@ def _answers_ghost(method):
 def test_a_replay_shows_a_ghost_and_moves_nothing(workspace, enabled):
     page = workspace.page
     recording = enabled.recordings.start()
-    began = enabled.status().cycle
-    assert wait_until(lambda: enabled.status().cycle > began + 500)
+    assert let_pass(enabled, 0.5)
     enabled.recordings.stop(recording.identifier)
     workspace.button("timeline", "Recordings").click()
     name = f"Replay {recording.identifier}"

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tests.browser.workspace_page import CONTROLLER, position, wait_until
+from tests.browser.workspace_page import CONTROLLER, let_pass, position, wait_until
 
 pytestmark = pytest.mark.slow
 JOINT = "panda_joint1"
@@ -31,8 +31,8 @@ def _told(client):
 def _settled(client):
     """Return what the joint is told after half a second without a change."""
     while True:
-        before, cycle = _told(client), client.status().cycle
-        wait_until(lambda cycle=cycle: client.status().cycle > cycle + 500)
+        before = _told(client)
+        let_pass(client, 0.5)
         if _told(client) == before:
             return before
 
@@ -131,6 +131,5 @@ def test_a_stop_takes_the_thumb_out_of_the_hand(slider, workspace, enabled):
     )
     page.mouse.move(x + 0.5 * scale, y, steps=3)
     page.mouse.up()
-    cycle = enabled.status().cycle
-    assert wait_until(lambda: enabled.status().cycle > cycle + 300)
+    assert let_pass(enabled, 0.3)
     assert abs(position(enabled, JOINT) - here) < 0.02

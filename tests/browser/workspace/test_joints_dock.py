@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tests.browser.workspace_page import CONTROLLER, position, wait_until
+from tests.browser.workspace_page import CONTROLLER, let_pass, position, wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -63,8 +63,7 @@ def test_a_held_button_that_a_stop_disables_has_to_be_pressed_anew(joints, enabl
     enabled.release_stop(arm=True)
     enabled.switch_controllers(start=[CONTROLLER])
     page.wait_for_function("() => !document.querySelector('.joints .hold').disabled")
-    before = enabled.status().cycle
-    assert wait_until(lambda: enabled.status().cycle > before + 300)
+    assert let_pass(enabled, 0.3)
     assert enabled.last_command(CONTROLLER).last is None  # The button is still held.
     page.mouse.up()
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.browser.workspace_page import CONTROLLER, WorkspacePage, wait_until
+from tests.browser.workspace_page import CONTROLLER, WorkspacePage, let_pass, wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -26,7 +26,6 @@ def test_a_plot_is_paused_zoomed_measured_and_saved(workspace, enabled):
     page.wait_for_function(f"() => {plot}.traces[0].history.times.length > 12")
     workspace.button("plots", "Pause").click()
     end = page.evaluate(f"() => {plot}.end")
-    before = enabled.status().cycle
     canvas = box.locator(".chart")
     canvas.focus()
     span = page.evaluate(f"() => {plot}.span")
@@ -37,7 +36,7 @@ def test_a_plot_is_paused_zoomed_measured_and_saved(workspace, enabled):
     for _ in range(10):
         canvas.press("ArrowRight")
     page.wait_for_function(f"() => {plot}.fixed !== null && {plot}.cursor !== null")
-    assert wait_until(lambda: enabled.status().cycle > before + 100)
+    assert let_pass(enabled, 0.1)
     assert page.evaluate(f"() => {plot}.end") == end
     # More than a minute later the picture of the pause is still there.
     page.evaluate(

@@ -13,6 +13,7 @@ from tests.browser.workspace_page import (
     CONTROLLER,
     OTHER,
     WorkspacePage,
+    let_pass,
     position,
     wait_until,
     without_scene,
@@ -126,8 +127,7 @@ def test_taking_over_in_the_middle_of_a_jog_stops_the_jog(ada, watching, enabled
     _note(ada).get_by_text("grace holds control: here you only watch").wait_for()
     ada.page.locator("#refusal-line").get_by_text("grace").first.wait_for()
     assert not _note(watching).is_visible()
-    cycle = enabled.status().cycle
-    assert wait_until(lambda: enabled.status().cycle > cycle + 500)
+    assert let_pass(enabled, 0.5)
     assert enabled.last_command(CONTROLLER).last == rest  # The button is still held.
     page.mouse.up()
 
