@@ -153,17 +153,32 @@ def logged_in(
         scale: Pixels of a picture over those of the page, in each direction.
         begin: Called with the context before the page is opened.
     """
-    context = browser.new_context(
-        viewport={"width": width, "height": height}, device_scale_factor=scale
-    )
-    context.add_init_script(DRAW_ON_REQUEST)
-    begin(context)
+    viewport = {"width": width, "height": height}
+    with browser.new_context(viewport=viewport, device_scale_factor=scale) as context:
+        context.add_init_script(DRAW_ON_REQUEST)
+        begin(context)
+        with opened(context, running) as page:
+            yield page
+
+
+@contextmanager
+def opened(context, running, begin=lambda _: None):
+    """Open the dashboard in a tab, and log in; a script error on the page is a failure.
+
+    Args:
+        context: Has the tab.
+        running: The station.
+        begin: Called with the tab before the page is opened.
+    """
     page = context.new_page()
+    begin(page)
     failures = []
     page.on("pageerror", lambda error: failures.append(str(error)))
     page.goto(f"{running.ui}/login?token={running.token}")
-    yield page
-    context.close()
+    try:
+        yield page
+    finally:
+        page.close()
     assert failures == []
 
 

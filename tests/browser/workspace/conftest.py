@@ -1,10 +1,12 @@
-"""One default station for all files of this folder; each finds it as just started."""
+"""One default station and one window for all files; each finds both as just started."""
+
+from contextlib import contextmanager
 
 import pytest
 
 from station.client import StationClient
-from tests.browser.conftest import run_station
-from tests.browser.workspace_page import allow_motion, run_alone
+from tests.browser.conftest import opened, run_station
+from tests.browser.workspace_page import allow_motion, run_alone, without_scene
 
 
 @pytest.fixture(scope="package")
@@ -30,6 +32,41 @@ def running_station(shared_station):
     running, restore = shared_station
     restore()
     return running
+
+
+@pytest.fixture(scope="package")
+def window(browser):
+    """A window, which costs half as much as the page in it."""
+    with browser.new_context(viewport={"width": 1280, "height": 800}) as context:
+        without_scene(context)
+        context.new_page()  # It stays: a window closes with its last tab.
+        yield context
+
+
+@pytest.fixture(scope="module")
+def open_tab(window, running_station):
+    """A function that opens the dashboard in a tab, where nothing is kept of others."""
+
+    @contextmanager
+    def open_one(begin=lambda _: None):
+        def begin_anew(page):
+            devtools = window.new_cdp_session(page)
+            kept = {"origin": running_station.ui, "storageTypes": "local_storage"}
+            devtools.send("Storage.clearDataForOrigin", kept)
+            devtools.detach()
+            begin(page)
+
+        with opened(window, running_station, begin_anew) as page:
+            yield page
+
+    return open_one
+
+
+@pytest.fixture(scope="module")
+def workspace_tab(open_tab):
+    """The workspace, logged in; a script error on the page fails the last test."""
+    with open_tab() as page:
+        yield page
 
 
 def _restore(client, gains):

@@ -2,12 +2,11 @@
 
 import pytest
 
-from tests.browser.conftest import logged_in
 from tests.browser.workspace_page import (
     WorkspacePage,
+    let_pass,
     run_alone,
     wait_until,
-    without_scene,
 )
 
 pytestmark = pytest.mark.slow
@@ -22,15 +21,10 @@ navigator.getGamepads = () => [window.pad];
 
 
 @pytest.fixture
-def page(browser, running_station, client):
+def page(open_tab, client):
     """The page with a gamepad, whose map is in sight, while the hand can be jogged."""
     run_alone(client, JOG)
-
-    def begin(context):
-        without_scene(context)
-        context.add_init_script(PAD)
-
-    with logged_in(browser, running_station, begin=begin) as page:
+    with open_tab(lambda tab: tab.add_init_script(PAD)) as page:
         dock = WorkspacePage(page).dock("move")
         dock.get_by_text("Gamepad", exact=True).click()
         dock.get_by_text("the hand moves only meanwhile").wait_for()
@@ -50,8 +44,7 @@ def test_a_stick_moves_the_hand_only_while_the_dead_man_button_is_held(page, cli
     said = page.locator("st-gamepad")
     said.get_by_text("1.00").first.wait_for()  # It is heard,
     before = _place(client)
-    cycle = client.status().cycle
-    assert wait_until(lambda: client.status().cycle > cycle + 500)
+    assert let_pass(client, 0.5)
     assert _place(client) == pytest.approx(before, abs=1e-5)  # and moves nothing.
     _press(page, DEAD_MAN)
     assert wait_until(lambda: _place(client) > before + 0.01)

@@ -2,8 +2,7 @@
 
 import pytest
 
-from tests.browser.conftest import logged_in
-from tests.browser.workspace_page import wait_until, without_scene
+from tests.browser.workspace_page import wait_until
 
 pytestmark = pytest.mark.slow
 NOT_STOPPED = "NOT stopped by this page. Press the emergency stop."
@@ -48,42 +47,39 @@ def test_what_a_failed_stop_says_stays_until_the_link_is_back(workspace):
 
 
 def _without(path):
-    def begin(context):
-        without_scene(context)
-        context.route(f"**/static/{path}", lambda route: route.fulfill(status=503))
+    def begin(tab):
+        tab.route(f"**/static/{path}", lambda route: route.fulfill(status=503))
 
     return begin
 
 
 @pytest.mark.parametrize("part", ["panels/plots.js", "lib/dom.js", "workspace.js"])
-def test_a_script_of_the_docks_that_does_not_load_is_told(
-    browser, running_station, client, part
-):
-    with logged_in(browser, running_station, begin=_without(part)) as page:
+def test_a_script_of_the_docks_that_does_not_load_is_told(open_tab, client, part):
+    with open_tab(_without(part)) as page:
         told = page.locator("#unloaded")
         told.get_by_text("its docks are missing. STOP works.").wait_for()
         page.locator("#stop").click()
         assert wait_until(lambda: client.status().stop_state == "stopped")
         client.release_stop()
         client.release_stop(arm=True)
-        page.context.unroute(f"**/static/{part}")
+        page.unroute(f"**/static/{part}")
         told.get_by_role("link", name="Reload the page").click()
         page.locator('.dock[data-dock="plots"] .plot').first.wait_for()
         assert told.is_hidden()
 
 
-def test_a_stop_whose_script_does_not_load_is_told(browser, running_station):
-    with logged_in(browser, running_station, begin=_without("page.js")) as page:
+def test_a_stop_whose_script_does_not_load_is_told(open_tab):
+    with open_tab(_without("page.js")) as page:
         told = page.locator("#unloaded")
         told.get_by_text("Its STOP does not work: press the emergency stop").wait_for()
 
 
-def test_a_page_without_any_script_says_so(browser, running_station):
-    def begin(context):
+def test_a_page_without_any_script_says_so(open_tab):
+    def begin(tab):
         for path in ("page.js", "workspace.js"):
-            _without(path)(context)
+            _without(path)(tab)
 
-    with logged_in(browser, running_station, begin=begin) as page:
+    with open_tab(begin) as page:
         told = page.locator("#unloaded")
         assert not told.is_visible()  # it may still be loading
         told.wait_for()
