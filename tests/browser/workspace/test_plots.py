@@ -205,7 +205,9 @@ def test_differences_and_the_norm_of_channels_are_kept_with_the_plot(workspace, 
     def tells(wanted):
         shown = box.locator(".trace output").all_inner_texts()
         # A channel that is new has no value yet.
-        values = sorted(map(float, filter(None, shown)))
+        values = sorted(
+            float(text) for text in shown if text not in {"", "\N{EN DASH}"}
+        )
         return values == pytest.approx(sorted(wanted), abs=5e-3)
 
     assert wait_until(lambda: tells([q - joints[first - 1] for q in others]))
