@@ -5,11 +5,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
+from tests.stopwatch import Stopwatch
 from tests.waiting import wait_until
 
 ROOT = Path(__file__).parents[2]
@@ -114,11 +114,11 @@ class StationProcess:
         return found
 
     def end(self, number: signal.Signals) -> float:
-        """Send a signal and wait; return how long the process took to end [s]."""
-        begin = time.monotonic()
-        self.process.send_signal(number)
-        self.process.wait(PATIENCE)
-        return time.monotonic() - begin
+        """Send a signal and wait; return how long that takes on a free machine [s]."""
+        with Stopwatch(self.process.pid) as watch:
+            self.process.send_signal(number)
+            self.process.wait(PATIENCE)
+        return watch.seconds
 
     def clean_up(self) -> None:
         """End whatever is left of it."""
