@@ -26,7 +26,9 @@ CYCLES = 1000
 """Cycles in a second."""
 SENT = 20
 """Cycles from one set-point to the next."""
-GOAL = 3
+PERIOD = 3
+"""Period of the set-points [s]."""
+GOAL = 2
 """Time from one goal to the next [s]."""
 
 
@@ -57,10 +59,15 @@ class Mover:
             motion.set_command(name, self._set_point(cycle / CYCLES))
 
     def _set_point(self, time):
-        wave, rate = sin(0.4 * pi * time), 0.4 * pi * cos(0.4 * pi * time)
+        turning = 2.0 * pi / PERIOD
+        wave, rate = sin(turning * time), turning * cos(turning * time)
         if self._name == "cartesian_streaming_controller":
             x, y, *rest = self._pose
-            return [x + 0.03 * (cos(pi * time) - 1.0), y + 0.03 * sin(pi * time), *rest]
+            return [
+                x + 0.03 * (cos(3.0 * time) - 1.0),
+                y + 0.03 * sin(3.0 * time),
+                *rest,
+            ]
         if self._name == "cartesian_jog_controller":
             return [0.02 * wave, 0.03 * rate, 0.02 * rate, 0.0, 0.1 * rate, 0.0]
         if "effort_group_effort" in self._name:

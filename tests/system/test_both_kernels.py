@@ -17,7 +17,7 @@ pytestmark = [
     pytest.mark.skipif(find_misfit() is not None, reason=str(find_misfit())),
 ]
 
-SECONDS = 5
+SECONDS = 3
 """Of station time: a period of the set-points, two goals."""
 
 
