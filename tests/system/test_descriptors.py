@@ -3,7 +3,7 @@
 import resource
 import socket
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from urllib.parse import urlsplit
 
 import httpx
@@ -21,14 +21,27 @@ SOON = 5.0
 at all while the others hold their connections."""
 
 
-@pytest.fixture
-def station(tmp_path, request):
-    """A station whose process may open 128 files, or as many as the test says."""
-    station = StationProcess(tmp_path, "--no-ui")
-    limit = (getattr(request, "param", DESCRIPTORS),) * 2
-    resource.prlimit(station.process.pid, resource.RLIMIT_NOFILE, limit)
+@contextmanager
+def limited(folder, files):
+    """Run a station whose process may open so many files."""
+    station = StationProcess(folder, "--no-ui")
+    resource.prlimit(station.process.pid, resource.RLIMIT_NOFILE, (files, files))
     yield station
     station.clean_up()
+
+
+@pytest.fixture(scope="module")
+def station(tmp_path_factory):
+    """A station whose process may open 128 files."""
+    with limited(tmp_path_factory.mktemp("station"), DESCRIPTORS) as station:
+        yield station
+
+
+@pytest.fixture
+def poor_station(tmp_path):
+    """A station whose process may hardly open a file."""
+    with limited(tmp_path, FEW) as station:
+        yield station
 
 
 def stop(url, token):
@@ -57,9 +70,8 @@ def test_the_stop_works_while_strangers_eat_descriptors(station):
     assert "out of system resource" not in station.errors
 
 
-@pytest.mark.parametrize("station", [FEW], indirect=True)
-def test_the_stop_gets_in_where_hardly_a_file_can_be_opened(station):
-    access = station.access()
+def test_the_stop_gets_in_where_hardly_a_file_can_be_opened(poor_station):
+    access = poor_station.access()
     url, token = access["url"], access["token"]
     address = (urlsplit(url).hostname, urlsplit(url).port)
 
@@ -70,8 +82,8 @@ def test_the_stop_gets_in_where_hardly_a_file_can_be_opened(station):
             if number % FEW == FEW - 1:
                 assert stop(url, token) < SOON
 
-    assert "out of system resource" not in station.errors
-    assert f"may open {FEW} files only" in station.errors
+    assert "out of system resource" not in poor_station.errors
+    assert f"may open {FEW} files only" in poor_station.errors
 
 
 def test_the_stop_works_while_viewers_open_all_the_streams_they_can(station):
