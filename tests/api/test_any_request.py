@@ -49,9 +49,15 @@ def make_app():
 
 
 @cache
+def read_app():
+    """Return an app for requests that change nothing."""
+    return make_app()
+
+
+@cache
 def operations():
     """Return what can be asked of the app, by method and path."""
-    with httpx.Client(transport=AppTransport(make_app())) as client:
+    with httpx.Client(transport=AppTransport(read_app())) as client:
         answer = client.get(f"{URL}/api/v1/openapi.json")
     document = schemathesis.openapi.from_dict(answer.json())
     found = (one.ok() for one in document.get_all_operations())
@@ -81,7 +87,8 @@ def send_made_up_requests(name, known, checks):
         answer.elapsed = timedelta()
         case.validate_response(answer, checks=checks)
 
-    with httpx.Client(transport=AppTransport(make_app())) as client:
+    app = read_app() if name.startswith("GET ") else make_app()
+    with httpx.Client(transport=AppTransport(app)) as client:
         send()
 
 
