@@ -46,6 +46,17 @@ def test_what_a_failed_stop_says_stays_until_the_link_is_back(workspace):
     notice.wait_for(state="hidden")
 
 
+def test_an_answer_that_was_cut_off_is_a_lost_link_and_no_empty_answer(workspace):
+    page = workspace.page
+    page.route("**/recordings", lambda route: route.fulfill(body='{"recordings": ['))
+    look = """async () => {
+        const { api } = await import('/static/lib/station.js');
+        return await api('GET', '/recordings').catch((error) => error.code);
+    }"""
+    assert page.evaluate(look) == "unreachable"
+    page.unroute("**/recordings")
+
+
 def _without(path):
     def begin(tab):
         tab.route(f"**/static/{path}", lambda route: route.fulfill(status=503))

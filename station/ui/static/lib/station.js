@@ -89,8 +89,9 @@ export async function send(method, path, body, headers = {}) {
     if (link === "lost" && isRefused) throw linkIsLost();
     throw new Refusal(0, { code: "unreachable", detail: "The dashboard does not answer.", remedy: REMEDY });
   }
-  const told = answer.status === 204 ? {} : await answer.json().catch(() => ({}));
-  if (!answer.ok) throw new Refusal(answer.status, told);
+  const told = answer.status === 204 ? {} : await answer.json().catch(() => undefined);
+  if (!answer.ok) throw new Refusal(answer.status, told ?? {});
+  if (told === undefined) throw linkIsLost(); // the answer was cut off
   return told;
 }
 
