@@ -39,6 +39,8 @@ CONTROLLERS = {
     "arm": {
         "type": "position_controllers/JointTrajectoryController",
         "joints": JOINTS,
+        # After a pause of the machine the joints jump, and come to rest a cycle later.
+        "constraints": {"goal_time": 5.0},
     },
 }
 
