@@ -12,7 +12,6 @@ import anyio.lowlevel
 import uvicorn
 from fastapi import FastAPI
 from typing_extensions import override
-from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.http11 import Request
 
 from station.api.streams.broadcaster import PORT
@@ -20,7 +19,7 @@ from station.api.tool_port import ToolPort, by_port
 from station.core.errors import StationError
 from station.core.loop.right_of_way import RightOfWay
 from station.local.tls import TlsFiles
-from station.web.limited_server import LimitedServer
+from station.web.limited_server import LimitedServer, SocketProtocol
 
 if TYPE_CHECKING:
     from station.api.services import Services
@@ -221,7 +220,7 @@ GRACE = 2.0
 """Longest time for a client to read its close frame [s]."""
 
 
-class StreamProtocol(WebSocketsSansIOProtocol):
+class StreamProtocol(SocketProtocol):
     """A WebSocket connection as a `StreamPort`, in the scope's state."""
 
     _resumed: Callable[[], None] | None = None
@@ -237,12 +236,6 @@ class StreamProtocol(WebSocketsSansIOProtocol):
         super().resume_writing()
         if self._resumed is not None:
             self._resumed()
-
-    @override
-    def shutdown(self) -> None:
-        # Uvicorn would close a client again that has just closed, and raise an error.
-        if not self.transport.is_closing():
-            super().shutdown()
 
     def write_frame(self, wire: bytes) -> None:
         """Write a whole WebSocket frame, unless the connection is being closed.

@@ -25,7 +25,11 @@ from station.ui.page.workspace_routes import WorkspaceParts
 from station.ui.scene.robot_model import RobotModel, RobotModelError, load_robot
 from station.ui.sessions.session_access import SessionAccess, SessionPusher
 from station.ui.sessions.sessions import Role, Session, Sessions, SessionStore
-from station.web.limited_server import LimitedServer, connection_share
+from station.web.limited_server import (
+    LimitedServer,
+    SocketProtocol,
+    connection_share,
+)
 from station.wire import StopState
 
 _logger = logging.getLogger(__name__)
@@ -325,7 +329,7 @@ class _Server(LimitedServer):
                 app,
                 log_level="warning",
                 access_log=False,
-                ws="websockets-sansio",
+                ws=SocketProtocol,
                 ws_per_message_deflate=False,
                 timeout_graceful_shutdown=_CLOSING_TIME,
                 server_header=False,

@@ -138,6 +138,16 @@ class LimitedProtocol(H11Protocol):
         self.loop.call_later(LOOK_PERIOD, self._look)
 
 
+class SocketProtocol(WebSocketsSansIOProtocol):
+    """A WebSocket connection that its client may close while the server ends."""
+
+    @override
+    def shutdown(self) -> None:
+        # Uvicorn would close a client again that has just closed, and raise an error.
+        if not self.transport.is_closing():
+            super().shutdown()
+
+
 def make_room(connections: Iterable[asyncio.Protocol]) -> bool:
     """End the connection that has kept its server waiting longest.
 

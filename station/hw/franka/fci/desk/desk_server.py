@@ -27,6 +27,7 @@ from station.hw.franka.fci.desk.desk_state import (
     profile_of,
 )
 from station.hw.franka.fci.server.client_port import FciPortError
+from station.web.limited_server import SocketProtocol
 
 HTTPS = 443
 """Port of Desk: clients that know only the address of the robot use this port."""
@@ -97,7 +98,7 @@ class DeskServer:
             access_log=False,
             lifespan="off",
             timeout_graceful_shutdown=1,
-            ws="websockets-sansio",
+            ws=SocketProtocol,
         )
         self._server = uvicorn.Server(config)
         self._thread = threading.Thread(target=self._run, name="desk", daemon=True)

@@ -3,14 +3,17 @@
 Source: aiofranka 0.9.0 server.py, client.py, tools.py; franky-control 2.0.0 desk.py.
 """
 
+import asyncio
 import base64
 import json
 import ssl
+from queue import SimpleQueue
 
 import pytest
+from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
-from websockets.sync.client import connect
 
+from station.web.limited_server import SocketProtocol
 from tests.hw.franka.fci.desk.desk_bench import HAND, take
 from tests.waiting import PATIENCE
 
@@ -148,7 +151,7 @@ def test_what_a_simulated_arm_has_not_is_refused_in_words(client):
 
 
 def listen(url, path, cookie=None):
-    """Return a WebSocket of Desk."""
+    """Return a WebSocket of Desk; in Python 3.11 one with TLS is for one thread."""
     context = ssl.create_default_context()
     context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
     headers = {} if cookie is None else {"Cookie": f"authorization={cookie}"}
@@ -157,9 +160,36 @@ def listen(url, path, cookie=None):
 
 
 def test_joints_are_told_and_buttons_are_not_pressed(url):
-    with listen(url, "robot/configuration", "x") as socket:
-        assert json.loads(socket.recv(timeout=PATIENCE)) == {"jointAngles": [0.1] * 7}
-    with listen(url, "navigation/events", "x") as socket, pytest.raises(TimeoutError):
-        socket.recv(timeout=0.0)
+    asyncio.run(_listen_to_joints_and_buttons(url))
+
+
+async def _listen_to_joints_and_buttons(url):
+    async with (
+        listen(url, "robot/configuration", "x") as socket,
+        asyncio.timeout(PATIENCE),
+    ):
+        assert json.loads(await socket.recv()) == {"jointAngles": [0.1] * 7}
+    async with listen(url, "navigation/events", "x") as socket:
+        with pytest.raises(TimeoutError):
+            async with asyncio.timeout(0.0):
+                await socket.recv()
     with pytest.raises(InvalidStatus, match="403"):
-        listen(url, "navigation/events")
+        await listen(url, "navigation/events")
+
+
+def test_a_client_that_has_just_closed_does_not_disturb_the_end(url, monkeypatch):
+    outcomes = SimpleQueue()
+    original = SocketProtocol.handle_close
+
+    def end_at_once(self, event):
+        original(self, event)
+        outcomes.put(self.shutdown())
+
+    monkeypatch.setattr(SocketProtocol, "handle_close", end_at_once)
+    asyncio.run(_open_and_close(url))
+    assert outcomes.get(timeout=PATIENCE) is None
+
+
+async def _open_and_close(url):
+    async with listen(url, "navigation/events", "x"):
+        pass
