@@ -90,9 +90,8 @@ export async function send(method, path, body, headers = {}) {
     throw new Refusal(0, { code: "unreachable", detail: "The dashboard does not answer.", remedy: REMEDY });
   }
   const told = answer.status === 204 ? {} : await answer.json().catch(() => undefined);
-  if (!answer.ok) throw new Refusal(answer.status, told ?? {});
-  if (told === undefined) throw linkIsLost(); // the answer was cut off
-  return told;
+  if (answer.ok && told !== undefined) return told;
+  throw answer.ok ? linkIsLost() : new Refusal(answer.status, told ?? {}); // cut off, or refused
 }
 
 export const api = (method, path, body, headers) => send(method, API + path, body, headers);
