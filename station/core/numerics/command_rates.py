@@ -6,9 +6,7 @@ limitRate; src/control_loop.cpp, convertMotion and ControlLoop::spinControl.
 
 from collections.abc import Iterable
 
-import cython
-
-from station.memory.doubles import Doubles, Storage, elements, own, own_zeros
+from station.memory.doubles import Doubles, Storage, own, own_zeros
 from station.memory.functions import square_root
 from station.memory.vectors import copy_into
 
@@ -27,8 +25,6 @@ def low_pass(
     """
     rest = 1.0 - gain
     if gain < 1.0:
-        if not cython.compiled:
-            values, last = elements(values), elements(last)
         for i in range(size):
             result[i] = gain * values[i] + rest * last[i]
     else:
@@ -89,8 +85,6 @@ def limit_steps(values: Storage, last: Doubles, largest: float) -> None:
         last: The values of the last cycle, shape (n,).
         largest: Largest step, > 0.
     """
-    if not cython.compiled:
-        last = elements(last)
     for i in range(len(values)):
         before = last[i]
         step = values[i] - before
@@ -249,8 +243,6 @@ class CommandRates:
         goals, last_goals = self.goals, self.last_goals
         lower, upper, has_goals = self.lower, self.upper, self.has_goals
         self.has_goals = True
-        if not cython.compiled:
-            q_d, dq_d, ddq_d = elements(q_d), elements(dq_d), elements(ddq_d)
         speeds, accelerations, jerks = self.velocity, self.acceleration, self.jerk
         lows, highs = self.lowest, self.highest
         stopping, approach = self.stopping, self.approach_gain

@@ -5,7 +5,7 @@ Source: angles@1.9.13 include/angles/angles.h.
 
 import cython
 
-from station.memory.doubles import Doubles, Storage, elements, own_zeros
+from station.memory.doubles import Doubles, Storage, own_zeros
 
 if cython.compiled:
     from cython.cimports.libc.math import fmod as _fmod
@@ -130,8 +130,6 @@ class JointErrors:
     def compare(self) -> None:
         """Write the differences."""
         desired, measured, errors = self.desired, self.measured, self.errors
-        if not cython.compiled:
-            desired, measured = elements(desired), elements(measured)
         highest = _HALF_TURN
         lowest = -highest
         for k in range(self.n):

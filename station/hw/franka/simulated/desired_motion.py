@@ -2,10 +2,8 @@
 
 from collections.abc import Iterable
 
-import cython
-
 from station.core.franka.joint_memory import JointMemory
-from station.memory.doubles import elements, own, own_zeros, put
+from station.memory.doubles import own, own_zeros, put
 from station.memory.vectors import any_of, copy_into
 
 
@@ -131,12 +129,9 @@ class DesiredMotion:
         period, memory = self.period, self.memory
         positions, velocities = memory.q_d, memory.dq_d
         accelerations, q = memory.ddq_d, memory.target
-        last_q, last_dq = positions, velocities
-        if not cython.compiled:
-            last_q, last_dq = elements(positions), elements(velocities)
         for i in range(self.size):
             position = q[i]
-            velocity = (position - last_q[i]) / period
-            accelerations[i] = (velocity - last_dq[i]) / period
+            velocity = (position - positions[i]) / period
+            accelerations[i] = (velocity - velocities[i]) / period
             velocities[i] = velocity
             positions[i] = position

@@ -9,8 +9,6 @@ that an FR3 never reports.
 
 from math import inf
 
-import cython
-
 from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.velocity_curves import VelocityCurves
@@ -23,7 +21,7 @@ from station.hw.franka.simulated.violations import (
     TRANSLATION_VELOCITY,
     Violations,
 )
-from station.memory.doubles import Doubles, Storage, elements, own, own_zeros
+from station.memory.doubles import Doubles, Storage, own, own_zeros
 from station.memory.functions import square_root
 
 START_POSITION_TOLERANCE = 0.01
@@ -108,8 +106,6 @@ class MotionCheck:
         """
         memory, period = self.memory, self.period
         q, dq, q_d = memory.target, memory.target_dq, memory.q_d
-        if not cython.compiled:
-            q_d = elements(q_d)
         for i in range(self.size):
             dq[i] = (q[i] - q_d[i]) / period
         return self.check_joints(q, dq, code)
@@ -131,8 +127,6 @@ class MotionCheck:
             code: See `check_positions`; the codes of the rates follow this code.
         """
         last_dq, last_ddq = self.memory.dq_d, self.memory.ddq_d
-        if not cython.compiled:
-            last_dq, last_ddq = elements(last_dq), elements(last_ddq)
         lower, upper = self.lower, self.upper
         slowest, fastest = self.slowest, self.fastest
         accelerations, jerks, period = self.acceleration, self.jerk, self.period
@@ -173,8 +167,6 @@ class MotionCheck:
         memory, largest = self.memory, self.torque_step
         lowest = -largest
         tau, last, sent = memory.torques, memory.tau_J_d, memory.sent
-        if not cython.compiled:
-            last = elements(last)
         for i in range(self.size):
             # Without `abs`, whose call costs time in Python.
             if not lowest <= tau[i] - last[i] <= largest:
