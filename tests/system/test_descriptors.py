@@ -10,6 +10,7 @@ import httpx
 import pytest
 from websockets.sync.client import connect
 
+from station.client import StationClient
 from tests.system.station_process import StationProcess
 
 pytestmark = pytest.mark.slow
@@ -31,10 +32,22 @@ def limited(folder, files):
 
 
 @pytest.fixture(scope="module")
-def station(tmp_path_factory):
+def shared_station(tmp_path_factory):
     """A station whose process may open 128 files."""
     with limited(tmp_path_factory.mktemp("station"), DESCRIPTORS) as station:
         yield station
+
+
+@pytest.fixture
+def station(shared_station):
+    """The shared station, armed, so that a stop has something to change."""
+    access = shared_station.access()
+    with StationClient(access["url"], access["token"]) as client:
+        if client.status().stop_state != "armed":
+            client.release_stop()
+            client.release_stop(arm=True)
+        assert client.status().stop_state == "armed"
+    return shared_station
 
 
 @pytest.fixture

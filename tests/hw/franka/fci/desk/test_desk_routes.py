@@ -160,21 +160,19 @@ def listen(url, path, cookie=None):
 
 
 def test_joints_are_told_and_buttons_are_not_pressed(url):
-    asyncio.run(_listen_to_joints_and_buttons(url))
+    async def hear(path, seconds):
+        async with listen(url, path, "x") as socket, asyncio.timeout(seconds):
+            return json.loads(await socket.recv())
 
-
-async def _listen_to_joints_and_buttons(url):
-    async with (
-        listen(url, "robot/configuration", "x") as socket,
-        asyncio.timeout(PATIENCE),
-    ):
-        assert json.loads(await socket.recv()) == {"jointAngles": [0.1] * 7}
-    async with listen(url, "navigation/events", "x") as socket:
-        with pytest.raises(TimeoutError):
-            async with asyncio.timeout(0.0):
-                await socket.recv()
-    with pytest.raises(InvalidStatus, match="403"):
+    async def knock():
         await listen(url, "navigation/events")
+
+    told = asyncio.run(hear("robot/configuration", PATIENCE))
+    assert told == {"jointAngles": [0.1] * 7}
+    with pytest.raises(TimeoutError):
+        asyncio.run(hear("navigation/events", 0.0))
+    with pytest.raises(InvalidStatus, match="403"):
+        asyncio.run(knock())
 
 
 def test_a_client_that_has_just_closed_does_not_disturb_the_end(url, monkeypatch):
@@ -185,11 +183,10 @@ def test_a_client_that_has_just_closed_does_not_disturb_the_end(url, monkeypatch
         original(self, event)
         outcomes.put(self.shutdown())
 
+    async def open_and_close():
+        async with listen(url, "navigation/events", "x"):
+            pass
+
     monkeypatch.setattr(SocketProtocol, "handle_close", end_at_once)
-    asyncio.run(_open_and_close(url))
+    asyncio.run(open_and_close())
     assert outcomes.get(timeout=PATIENCE) is None
-
-
-async def _open_and_close(url):
-    async with listen(url, "navigation/events", "x"):
-        pass
