@@ -10,7 +10,7 @@ import hmac
 import inspect
 import logging
 import time
-from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import partial
@@ -54,14 +54,36 @@ MOST_FRAGMENTS = 1000
 """Most parts of a message; together they have at most 1000 times as many characters."""
 _ALIKE = 0.8
 """Similarity from which a name counts as a misspelling of another one."""
+_LATEST = 2**53
+"""Latest time in an authentication [s]."""
 _AUTH_WINDOW = 5.0
 """Largest difference of the time in an authentication from the station's time [s]."""
 # These operations run beside later messages, so that a stop never waits for a switch.
 _LONG = frozenset({"call_service", "send_action_goal", "cancel_action_goal"})
-# Errors that messages of clients cause if they violate the protocol.
-_NO_MESSAGE = (ValueError, TypeError, AttributeError, LookupError, RecursionError)
 _log = logging.getLogger(__name__)
-Message = Mapping[str, Any]
+
+
+class Message(dict[str, Any]):
+    """A message of a client, which is refused when a field that it needs is missing.
+
+    Args:
+        data: JSON text.
+
+    Raises:
+        RosTypeError: The text is no JSON object.
+    """
+
+    def __init__(self, data: str | bytes) -> None:
+        try:
+            found = orjson.loads(data)
+        except ValueError as error:
+            raise RosTypeError(f"The message is not JSON: {error}.") from error
+        if not isinstance(found, dict):
+            raise RosTypeError("The message is not a JSON object.")
+        super().__init__(found)
+
+    def __missing__(self, key: str) -> object:
+        raise RosTypeError(f"The message has no field '{key}'.")
 
 
 class RosbridgeSession:
@@ -138,7 +160,7 @@ class RosbridgeSession:
         """
         found: list[object] = [None]
         with self._told(found):
-            message = orjson.loads(data)
+            message = Message(data)
             found[0] = message.get("id")
             op = str(message["op"])
             if op not in self._operations:
@@ -150,13 +172,7 @@ class RosbridgeSession:
                 raise RosTypeError(f"'{op}' has to wait: {MOST_CALLS} are under way.")
             task = asyncio.create_task(self._operations[op](message))
             self._calls.add(task)
-            task.add_done_callback(self._finished)
-
-    def _finished(self, call: asyncio.Task[None]) -> None:
-        self._calls.discard(call)
-        if not call.cancelled() and (error := call.exception()) is not None:
-            _log.error("a call of a client of rosbridge failed", exc_info=error)
-            self.outbox.tell("error", "The station has failed; see its log.")
+            task.add_done_callback(self._calls.discard)
 
     @contextmanager
     def _told(
@@ -173,8 +189,14 @@ class RosbridgeSession:
             yield
         except StationError as error:
             why = _reason(error)
-        except _NO_MESSAGE as error:
-            why = f"That is no message of rosbridge: {type(error).__name__}: {error}."
+        except RecursionError:
+            why = "The message is nested too deeply."
+        except Exception as error:  # noqa: BLE001 - a fault of the station, not of the client
+            _log.exception("an operation of a client of rosbridge failed")
+            why = (
+                f"The station failed unexpectedly: {type(error).__name__}. Its log has "
+                "the traceback; please report it."
+            )
         else:
             return
         one = identifier[0]
@@ -210,7 +232,12 @@ class RosbridgeSession:
         _log.debug("a client of rosbridge says: %.200s", message)
 
     async def _set_level(self, message: Message) -> None:
-        self.outbox.level = LEVELS[LEVELS.index(message["level"])]
+        if message["level"] not in LEVELS:
+            raise RosTypeError(
+                f"There is no level '{message['level']!s:.40}'.",
+                remedy=f"Use one of {', '.join(LEVELS)}.",
+            )
+        self.outbox.level = message["level"]
 
     async def _advertise(self, message: Message) -> None:
         self._writable(message)
@@ -511,16 +538,15 @@ class RosbridgeSession:
         text = "".join(str(message[key]) for key in keys)
         services, proof = self._client.services, str(message["mac"])
         authenticator = services.authenticator
-        now, end = time.time(), float(message["end"])
-        is_new = abs(now - float(message["t"])) <= _AUTH_WINDOW and (
-            not end or now < end
-        )
+        made, end = (_number(message, key, _LATEST) for key in ("t", "end"))
+        now = time.time()
+        is_new = abs(now - made) <= _AUTH_WINDOW and (not end or now < end)
         for token, role in (
             (authenticator.operator_token, Role.OPERATOR),
             (authenticator.viewer_token, Role.VIEWER),
         ):
-            made = hashlib.sha512(f"{token}{text}".encode()).hexdigest()
-            fits = hmac.compare_digest(made.encode(), proof.encode())
+            digest = hashlib.sha512(f"{token}{text}".encode()).hexdigest()
+            fits = hmac.compare_digest(digest.encode(), proof.encode())
             if fits and is_new and proof not in self._proofs:
                 self._proofs.add(proof)
                 self._client.access = Access(role)

@@ -221,12 +221,19 @@ REFUSED = {
     "response": ({"op": "service_response", "service": "/x", "id": "9"}, "'9'"),
     "not offered": ({"op": "unadvertise_action", "action": "/x"}, "/x"),
     "unknown op": ({"op": "dance"}, "dance"),
-    "no op": ({"topic": "/x"}, "op"),
+    "no op": ({"topic": "/x"}, "no field 'op'"),
+    "no topic": ({"op": "subscribe"}, "no field 'topic'"),
+    "unknown level": ({"op": "set_level", "level": "loud"}, "none, error, warning"),
     "unknown goal": ({"op": "cancel_action_goal", "id": "nine"}, "nine"),
     "not authentic": (
         {"op": "auth", "mac": "0", "client": "c", "dest": "d", "rand": "r", "t": 0,
          "level": "all", "end": 0},
         "token",
+    ),
+    "no time": (
+        {"op": "auth", "mac": "0", "client": "c", "dest": "d", "rand": "r", "t": "x",
+         "level": "all", "end": 0},
+        "'t' is 'x'",
     ),
 }  # fmt: skip
 
@@ -247,6 +254,19 @@ def test_a_wrong_request_of_a_service_is_named(client):
     assert found["result"] is False
     assert "'nam'" in found["values"]
     assert "'nam'" in client.statuses[-1]["msg"]
+
+
+def test_a_fault_of_the_station_is_not_the_clients(
+    client, station, monkeypatch, caplog
+):
+    def fail(*_):
+        raise KeyError("lost")
+
+    monkeypatch.setattr(type(station), "controllers", fail)
+    found = client.call("/controller_manager/list_controllers")
+    assert found["result"] is False
+    assert "The station failed unexpectedly: KeyError" in found["values"]
+    assert "lost" in caplog.text
 
 
 def test_levels_of_statuses(client):
