@@ -2,6 +2,8 @@
 
 import json
 from dataclasses import dataclass
+from sys import float_info
+from typing import TypeGuard
 
 from station.api.tool_port import ToolClient
 from station.core.control.switching import SwitchRequest
@@ -65,7 +67,7 @@ class FoxgloveChanges:
         for name, value in wanted.items():
             if name not in known:
                 problems.append(f"There is no gain '{name}'. {suggest(name, known)}")
-            elif isinstance(value, bool) or not isinstance(value, int | float):
+            elif not _is_double(value):
                 problems.append(f"The gain '{name}' cannot be {value!r:.40}.")
             else:
                 good[name] = float(value)
@@ -148,3 +150,10 @@ def _names(asked: object, key: str) -> list[str]:
         f"'{key}' is no list of names of controllers.",
         remedy='Send {"start": ["arm"], "stop": []}.',
     )
+
+
+def _is_double(value: object) -> TypeGuard[float]:
+    """Return whether JSON has a number here, and not one beyond all doubles."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return not isinstance(value, int) or abs(value) <= float_info.max

@@ -9,7 +9,11 @@ from starlette.websockets import WebSocketDisconnect
 from typing_extensions import override
 
 from station.api.foxglove.foxglove_changes import FoxgloveChanges
-from station.api.foxglove.foxglove_session import SUBPROTOCOLS, FoxgloveSession
+from station.api.foxglove.foxglove_session import (
+    SUBPROTOCOLS,
+    FoxgloveSession,
+    StationFaultError,
+)
 from station.api.foxglove.live_channels import LiveChannels
 from station.api.tool_port import Place, ToolClient, ToolPort
 
@@ -63,3 +67,5 @@ class FoxglovePort(ToolPort[FoxgloveSession]):
                     await session.watch_parameters()
             except (TimeoutError, WebSocketDisconnect, RuntimeError):
                 continue  # slow or disconnected; its own task ends it
+            except StationFaultError:
+                continue  # logged where it was raised

@@ -6,9 +6,10 @@ nothing, and there are no assets and no connection graph.
 
 import asyncio
 import json
+import logging
 import struct
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
 
 import anyio.to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -31,6 +32,9 @@ _WARNING, _ERROR = 1, 2
 _NO_MESSAGE = (
     ValueError, TypeError, AttributeError, LookupError, RecursionError, struct.error,
 )  # fmt: skip
+_log = logging.getLogger(__name__)
+_In = TypeVar("_In")
+_Out = TypeVar("_Out")
 
 
 class FoxgloveSession:
@@ -115,6 +119,8 @@ class FoxgloveSession:
                     await self._take_call(data)
             except WebSocketDisconnect:
                 return
+            except StationFaultError as fault:
+                await self._tell(_ERROR, str(fault))
             except _NO_MESSAGE as error:
                 await self._tell(_ERROR, f"That is no message of Foxglove: {error!r}.")
 
@@ -122,7 +128,7 @@ class FoxgloveSession:
         """Send the gains that have changed since the last call, if subscribed."""
         if not self._watched:
             return
-        found = await anyio.to_thread.run_sync(self._changes.gains, [*self._watched])
+        found = await _run(self._changes.gains, [*self._watched])
         changed = {n: v for n, v in found.items() if self._values.get(n) != v}
         self._values = found
         if changed:
@@ -170,13 +176,13 @@ class FoxgloveSession:
                 self._texts_due.pop(number, None)
         elif op == "getParameters":
             names = [str(one) for one in asked.get("parameterNames", [])]
-            found = await anyio.to_thread.run_sync(self._changes.gains, names)
+            found = await _run(self._changes.gains, names)
             await self._send(_parameter_values(found, asked.get("id")))
         elif op == "setParameters":
             await self._set_parameters(asked["parameters"], asked.get("id"))
         elif op == "subscribeParameterUpdates":
             names = [str(one) for one in asked.get("parameterNames", [])]
-            found = await anyio.to_thread.run_sync(self._changes.gains, names)
+            found = await _run(self._changes.gains, names)
             self._watched.update(found)
             self._values.update(found)
         elif op == "unsubscribeParameterUpdates":
@@ -200,7 +206,7 @@ class FoxgloveSession:
         self, parameters: Iterable[Mapping[str, Any]], request: str | None
     ) -> None:
         wanted = {str(one["name"]): one.get("value") for one in parameters}
-        answer = await anyio.to_thread.run_sync(self._changes.set_gains, wanted)
+        answer = await _run(self._changes.set_gains, wanted)
         for problem in answer.problems:
             await self._tell(_ERROR, problem)
         await self._send(_parameter_values(answer.values, request))
@@ -219,8 +225,8 @@ class FoxgloveSession:
             return
         payload = data[_SERVICE_CALL.size + length :]
         try:
-            answer = await anyio.to_thread.run_sync(self._changes.switch, payload)
-        except (StationError, ValueError, RecursionError) as error:
+            answer = await _run(self._changes.switch, payload)
+        except (StationError, ValueError, RecursionError, StationFaultError) as error:
             why = str(error) or type(error).__name__
             await self._send({**failure, "message": why})
             return
@@ -232,6 +238,31 @@ class FoxgloveSession:
 
     async def _send(self, message: dict[str, object]) -> None:
         await self._websocket.send_text(json.dumps(message))
+
+
+class StationFaultError(Exception):
+    """The station failed unexpectedly in carrying out a message."""
+
+
+async def _run(function: Callable[[_In], _Out], value: _In) -> _Out:
+    """Call a function of the station in a thread.
+
+    Raises:
+        StationError: It refuses the value.
+        ValueError: The value is malformed.
+        RecursionError: The value is nested too deeply.
+        StationFaultError: It failed for another reason.
+    """
+    try:
+        return await anyio.to_thread.run_sync(function, value)
+    except (StationError, ValueError, RecursionError):
+        raise
+    except Exception as error:
+        _log.exception("a request of a client of Foxglove failed")
+        raise StationFaultError(
+            f"The station failed unexpectedly: {type(error).__name__}. Its log has the "
+            "traceback; please report it."
+        ) from error
 
 
 def _channel(number: int, topic: str, kind: MessageType) -> dict[str, object]:

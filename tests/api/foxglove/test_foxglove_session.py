@@ -101,6 +101,31 @@ def test_a_refused_parameter_is_told_and_the_good_ones_are_set(client, station):
     assert station.tuning.gains("leg").values == {"k": 5.0}
 
 
+def test_a_number_beyond_all_doubles_is_refused(client, station):
+    client.send(
+        '{"op": "setParameters", "parameters": [{"name": "arm/k", "value": 1%s}]}'
+        % ("0" * 400)
+    )
+    assert "The gain 'arm/k' cannot be 1000" in until(client, "status")["message"]
+    assert station.tuning.gains("arm").values == {"k": 2.0}
+
+
+def test_a_fault_of_the_station_is_not_the_clients(
+    client, station, monkeypatch, caplog
+):
+    def fail(*_):
+        raise KeyError("lost")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(type(station.tuning), "all_gains", fail)
+        client.send(json.dumps({"op": "getParameters", "parameterNames": []}))
+        told = until(client, "status")["message"]
+    assert "The station failed unexpectedly: KeyError" in told
+    assert "lost" in caplog.text
+    client.send(json.dumps({"op": "getParameters", "parameterNames": []}))
+    assert until(client, "parameterValues")["parameters"]
+
+
 def test_a_gain_that_somebody_else_changes_is_sent_to_who_subscribed(client, station):
     asked = {"op": "subscribeParameterUpdates", "parameterNames": ["arm/k"]}
     client.send(json.dumps(asked))
