@@ -14,7 +14,7 @@ import cython
 
 from station.core.franka.joint_memory import JointMemory
 from station.hw.mujoco.simulator_memory import SimulatorMemory
-from station.memory.doubles import elements, own, put
+from station.memory.doubles import own, put
 from station.memory.vectors import copy_into
 
 
@@ -123,9 +123,6 @@ class JointMotors:
             if self.is_new:
                 self.note_motion()
             q_d, dq_d, ddq_d = self.late_q, self.late_dq, self.late_ddq
-        elif not cython.compiled:
-            q_d, dq_d, ddq_d = elements(q_d), elements(dq_d), elements(ddq_d)
-            bias, compensation = elements(bias), elements(compensation)
         inertia, diagonal = simulator.inertia, simulator.diagonal
         controls, load = simulator.controls, self.load_weight
         tau_d, limits = memory.tau_J_d, self.limits
@@ -175,14 +172,12 @@ class JointMotors:
         else:
             # The same without a Python call around it.
             memory.last_tau_J[:] = tau
-            dtheta, velocities = elements(dtheta), elements(velocities)
-            motor_forces, brake_forces = elements(motor_forces), elements(brake_forces)
-            compensation = elements(compensation)
         for i in range(self.size):
-            velocity, force = velocities[i], motor_forces[i]
-            before, damper = dtheta[i], damping[i]
-            torque = force + brake_forces[i] + compensation[i]
-            torque += rotor[i] * before - drag[i] * velocity
+            velocity, force, before = velocities[i], motor_forces[i], dtheta[i]
+            torque = (force + brake_forces[i] + compensation[i]) + (
+                rotor[i] * before - drag[i] * velocity
+            )
+            damper = damping[i]
             if damper != 0.0:
                 limit = limits[i]
                 # A motor at its limit does not damp, because its force is cut off.

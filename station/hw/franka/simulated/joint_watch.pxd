@@ -20,10 +20,12 @@ cdef class JointWatch:
     cdef double least_distance
     cdef LinkDistances distances
     cdef public double room
+    cdef bint has_curves, limits_power
     cdef public bint is_alert
     cpdef bint check_readings(self, bint is_following, bint has_moved)
     cdef check_distances(self)
     cdef check_speed(self)
+    cdef check_power(self)
     cdef check_deviation(self)
     cdef void place(self, double[::1] q, double[::1] pose) noexcept
 

@@ -5,7 +5,7 @@ faster, or farther away, than if all joints turned about the same axis. The end 
 is computed only if that sum exceeds its limits.
 """
 
-import cython
+from math import inf
 
 from station.core.franka.joint_memory import JointMemory
 from station.core.numerics.arm_chain import (
@@ -30,7 +30,7 @@ from station.hw.franka.simulated.violations import (
     WALL,
     Violations,
 )
-from station.memory.doubles import Doubles, elements, own, zeros
+from station.memory.doubles import Doubles, own, zeros
 from station.memory.functions import square_root
 
 # Larger than any distance of an end effector from a joint axis [m].
@@ -91,10 +91,12 @@ class JointWatch:
         self.curves = VelocityCurves(
             limits.velocity, limits.curves, [-value for value in slack]
         )
+        self.has_curves = self.curves.size > 0
         self.torque = own([value * thresholds.torque_factor for value in limits.torque])
         self.reach_in_a_cycle = _REACH * period
         self.speed = limits.translation.velocity * factor
         self.power = thresholds.power
+        self.limits_power = thresholds.power < inf
         self.translation, self.rotation, self.elbow = thresholds.path_deviation
         self.distances = link_distances(has_hand=has_hand)
         self.least_distance = thresholds.self_collision_distance
@@ -115,15 +117,13 @@ class JointWatch:
         """
         memory, violations = self.memory, self.violations
         q, dq, tau, q_d = memory.positions, memory.dtheta, memory.tau_J, memory.q_d
-        if not cython.compiled:
-            q, dq, tau, q_d = elements(q), elements(dq), elements(tau), elements(q_d)
         lower, upper, largest = self.lower, self.upper, self.torque
         slowest, fastest = self.slowest, self.fastest
-        total = power = away = 0.0
+        total = away = 0.0
         # Distance that any point of the arm may have moved by a joint of 1 rad/s.
         reach = self.reach_in_a_cycle if has_moved else 0.0
         violations.count = 0
-        if self.curves.size:  # where the joints are
+        if self.has_curves:  # where the joints are
             self.curves.put(memory.positions, slowest, fastest)
         for i in range(self.size):
             position, velocity, torque = q[i], dq[i], tau[i]
@@ -145,7 +145,6 @@ class JointWatch:
             if torque > largest[i]:
                 violations.add(MEASURED_TORQUE, i, tau[i], largest[i])
             total += velocity
-            power += velocity * torque
             if is_following:
                 distance = position - q_d[i]
                 away += distance if distance > 0.0 else -distance
@@ -165,8 +164,8 @@ class JointWatch:
             self.place(q, self.pose)
         if is_fast:
             self.check_speed()
-        if power > self.power:
-            violations.add(POWER, 0, power, self.power)
+        if self.limits_power:
+            self.check_power()
         if not is_close:
             self.check_deviation()
         return violations.count > 0
@@ -208,6 +207,15 @@ class JointWatch:
         if speed > self.speed:
             bound = self.limits.translation.velocity
             self.violations.add(END_EFFECTOR_SPEED, 0, speed, bound)
+
+    def check_power(self) -> None:
+        """Compare the power of all joints with its limit."""
+        dq, tau = self.memory.dtheta, self.memory.tau_J
+        power = 0.0
+        for i in range(self.size):
+            power += abs(dq[i]) * abs(tau[i])
+        if power > self.power:
+            self.violations.add(POWER, 0, power, self.power)
 
     def check_deviation(self) -> None:
         """Compare the end effector, placed by `place`, with the desired motion."""
