@@ -24,7 +24,7 @@ from station.core.franka import (
 )
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
 from station.core.hardware.robot_hw import RobotHW
-from station.core.numerics.command_rates import limit_steps
+from station.core.numerics.command_rates import filter_commands
 from station.core.parameters import Parameters
 from station.memory.doubles import doubles
 
@@ -117,5 +117,6 @@ def saturate_torque_rate(
         last_tau: Torques commanded last, `tau_J_d` [Nm], shape (7,).
     """
     result = doubles(tau)
-    limit_steps(result, doubles(last_tau), LARGEST_STEP)
+    last = doubles(last_tau)
+    filter_commands(result, last, 1.0, LARGEST_STEP, result, len(result))
     return [*result]

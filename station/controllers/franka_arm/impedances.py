@@ -21,7 +21,7 @@ retrieval of feasible parameters, RA-L 4(4), 2019.
 
 from station.controllers.franka_arm.pose_spring import PoseSpring
 from station.core.numerics.arm_chain import torques_of, twist_of
-from station.core.numerics.command_rates import limit_steps
+from station.core.numerics.command_rates import filter_commands
 from station.memory.doubles import Doubles, doubles, zeros
 from station.memory.functions import exponential, square_root
 
@@ -155,7 +155,8 @@ class PoseImpedance(PoseSpring):
             torques[joint] += stray[joint] + self.coriolis[joint]
         if self.friction is not None:
             self.friction.compensate(torques)
-        limit_steps(torques, self.last_torques, self.largest_step)
+        last, step = self.last_torques, self.largest_step
+        filter_commands(torques, last, 1.0, step, torques, self.size)
 
     def approach_targets(self) -> None:
         """Move stiffnesses, equilibrium and posture on towards their targets."""
@@ -230,7 +231,8 @@ class JointImpedance:
             self.errors[joint] = error
             torques[joint] = torque
         self.friction.compensate(torques)
-        limit_steps(torques, self.last_torques, self.largest_step)
+        last, step = self.last_torques, self.largest_step
+        filter_commands(torques, last, 1.0, step, torques, self.size)
         for joint in range(size):
             self.stiffness[joint] += _FILTER * (
                 self.wanted[joint] - self.stiffness[joint]

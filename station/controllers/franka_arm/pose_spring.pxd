@@ -1,6 +1,6 @@
 from station.core.numerics.arm_chain cimport WrenchEquation, torques_of, twist_of
 from station.memory.functions cimport arctangent, sine, square_root
-from station.core.numerics.command_rates cimport limit_steps
+from station.core.numerics.command_rates cimport filter_commands
 from station.core.numerics.rigid_motion cimport quaternion_of
 
 cdef double _FILTER, _INVERSE_DAMPING, _CLOSE

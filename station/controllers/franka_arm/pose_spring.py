@@ -17,7 +17,7 @@ dual_arm_cartesian_impedance_example_controller.cpp, the part that both share.
 """
 
 from station.core.numerics.arm_chain import WrenchEquation, torques_of, twist_of
-from station.core.numerics.command_rates import limit_steps
+from station.core.numerics.command_rates import filter_commands
 from station.core.numerics.rigid_motion import quaternion_of
 from station.memory.doubles import Doubles, zeros
 from station.memory.functions import arctangent, sine, square_root
@@ -157,7 +157,8 @@ class PoseSpring:
         torques_of(jacobian, wrench, torques)
         for joint in range(self.size):
             torques[joint] += stray[joint] + self.coriolis[joint]
-        limit_steps(torques, self.last_torques, self.largest_step)
+        last, step = self.last_torques, self.largest_step
+        filter_commands(torques, last, 1.0, step, torques, self.size)
 
     def approach_targets(self) -> None:
         """Move stiffnesses and equilibrium on towards their targets."""

@@ -1,5 +1,5 @@
 cimport cython
-from station.core.numerics.command_rates cimport limit_steps, limited
+from station.core.numerics.command_rates cimport filter_commands, limited
 from station.core.geometry.clearances cimport Clearances
 from station.core.numerics.arm_chain cimport least_rates, place_links, zero_jacobian
 from station.core.numerics.rigid_motion cimport twist_between

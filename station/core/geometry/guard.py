@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from station.core.geometry.clearances import Clearances
 from station.core.geometry.distances import MARGIN, ROW
 from station.core.numerics.arm_chain import least_rates, place_links, zero_jacobian
-from station.core.numerics.command_rates import limit_steps, limited
+from station.core.numerics.command_rates import filter_commands, limited
 from station.core.numerics.rigid_motion import twist_between
 from station.memory.doubles import Doubles, Storage, doubles, zeros
 from station.memory.functions import square_root
@@ -535,7 +535,8 @@ class Guard:
         if is_pushed:
             for i in range(self.size):
                 result[i] += self.push[i]
-            limit_steps(result, self.tau_J_d, self.torque_step)
+            step = self.torque_step
+            filter_commands(result, self.tau_J_d, 1.0, step, result, self.size)
         if is_pushed or not can_stop:
             self.interventions += 1
         return can_stop

@@ -1,15 +1,15 @@
 from station.memory.vectors cimport copy_into
 from station.memory.functions cimport square_root
 
-cpdef void low_pass(
-    double[::1] values, double[::1] last, double gain, double[::1] result,
-    Py_ssize_t size) noexcept
+cdef double _INF
+
+cpdef void filter_commands(
+    double[::1] values, double[::1] last, double gain, double largest,
+    double[::1] result, Py_ssize_t size) noexcept
 cpdef double limited(
     double velocity, double last_velocity, double last_acceleration,
     double acceleration, double jerk, double lowest_velocity, double highest_velocity,
     double period) noexcept
-
-cpdef void limit_steps(double[::1] values, double[::1] last, double largest) noexcept
 
 cdef class CommandRates:
     cdef double[::1] tau_J_d, q_d, dq_d, ddq_d, positions, velocities, efforts, velocity

@@ -4,10 +4,12 @@ The second implementation has its numbers and formulas from Franka's documentati
 works on arrays, so that the two have nothing in common.
 """
 
+from math import inf
+
 import numpy as np
 import pytest
 
-from station.core.numerics.command_rates import CommandRates, low_pass
+from station.core.numerics.command_rates import CommandRates, filter_commands
 from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
 from station.hw.franka.commands.rate_limiter import (
     MARGIN,
@@ -199,7 +201,7 @@ def test_low_pass_has_the_response_of_its_transfer_function(
     value, outputs = zeros(1), []
     for cycle in range(2_000):
         wave = doubles([(step**cycle).real])
-        low_pass(wave, value, low_pass_gain(cutoff), value, 1)
+        filter_commands(wave, value, low_pass_gain(cutoff), inf, value, 1)
         outputs.append(value[0])
     cycles = np.arange(1_000, 2_000)
     expected = (response * step**cycles).real

@@ -1,11 +1,11 @@
-from station.core.numerics.command_rates cimport limited, low_pass
+from station.core.numerics.command_rates cimport filter_commands, limited
 from station.core.geometry.guard cimport Guard
 from station.core.numerics.rigid_motion cimport displace, rotation_between, twist_between
 from station.hw.franka.arm.receiver cimport Receiver
 from station.memory.functions cimport square_root
 from station.memory.vectors cimport copy_into, differ
 
-cdef double _TINY
+cdef double _INF, _TINY
 cdef int _SLOWED, _CARTESIAN
 cdef Py_ssize_t _POSE, _ELBOW, _KEPT
 

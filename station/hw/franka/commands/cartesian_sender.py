@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from station.core.errors import InvalidCommandError
 from station.core.geometry.guard import SLOWED
-from station.core.numerics.command_rates import limited, low_pass
+from station.core.numerics.command_rates import filter_commands, limited
 from station.core.numerics.rigid_motion import displace, rotation_between, twist_between
 from station.hw.franka.arm.arm_codes import CARTESIAN
 from station.memory.doubles import Doubles, doubles, own, put, zeros
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 # Length below which a vector has no direction.
 _TINY = 1e-15
 # The .pxd declares these as C numbers.
+_INF = float("inf")
 _SLOWED = SLOWED
 _CARTESIAN = CARTESIAN
 _POSE = 16
@@ -185,7 +186,7 @@ class PoseRates:
         Args:
             twist: The commanded twist [m/s, rad/s], shape (6,).
         """
-        low_pass(twist, self.twist, self.gain, self.sent_twist, 6)
+        filter_commands(twist, self.twist, self.gain, _INF, self.sent_twist, 6)
         if self.is_limiting:
             self.limit(self.sent_twist, 1.0)
 
@@ -197,7 +198,8 @@ class PoseRates:
             passes: As for `filter_pose`.
         """
         last, sent, limits = self.elbow, self.sent_elbow, self.elbow_limits
-        low_pass(elbow[:1], last, 1.0 if passes else self.gain, sent, 1)
+        gain = 1.0 if passes else self.gain
+        filter_commands(elbow, last, gain, _INF, sent, 1)
         # The sign of joint 4 is a choice and is not filtered.
         sent[1] = elbow[1]
         if self.is_limiting:

@@ -7,7 +7,7 @@ from math import cos
 import pytest
 
 from station.core.franka.franka_robot_state import RobotState
-from station.core.numerics.command_rates import low_pass
+from station.core.numerics.command_rates import filter_commands
 from station.hw.franka.arm.arm_limits import (
     FR3_LIMITS,
     PANDA_LIMITS,
@@ -46,7 +46,7 @@ def test_low_pass_of_100_hz_has_the_published_gain() -> None:
 def test_low_pass_settles_like_a_first_order_filter() -> None:
     value, one = doubles([0.0]), doubles([1.0])
     for _ in range(100):
-        low_pass(one, value, low_pass_gain(10.0), value, 1)
+        filter_commands(one, value, low_pass_gain(10.0), math.inf, value, 1)
     # Backward Euler of tau = 1 / (2 pi f): (1 + dt / tau)^-n.
     assert value[0] == pytest.approx(1.0 - (1.0 + PERIOD * 20.0 * math.pi) ** -100)
 
