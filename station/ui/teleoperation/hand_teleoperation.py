@@ -297,6 +297,11 @@ class HandsTeleoperation:
             hand.speed = self._speed
             hand.refresh(view)
 
+    @property
+    def is_pursuing(self) -> bool:
+        """Return whether a hand has yet to reach its target."""
+        return any(hand.is_pursuing for hand in self._hands.values())
+
     def of(self, arm: str) -> HandTeleoperation | None:
         """Return the hand of an arm; if there is only one, any name returns it."""
         return self._hands.get(arm, self._hands.get(""))

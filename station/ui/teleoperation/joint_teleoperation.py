@@ -123,6 +123,11 @@ class JointTeleoperation:
         return self._chosen[0].reason
 
     @property
+    def is_pursuing(self) -> bool:
+        """Return whether a joint has yet to reach a typed value."""
+        return any(one.held_at is None for one in self._motions.values())
+
+    @property
     def remaining(self) -> float:
         """Largest distance of a joint to its target [rad] or [m]; 0 at rest."""
         away = (abs(one.target - one.current) for one in self._motions.values())

@@ -69,6 +69,7 @@ class Teleoperation:
         self._epoch: int | None = None
         self._held_at = float("-inf")
         self._barred_until = float("-inf")
+        self._ended_by_link: list[Refusal] = []
 
     def refresh(self) -> StationView:
         """Note which controllers run; a new epoch ends every motion and held button."""
@@ -76,9 +77,20 @@ class Teleoperation:
         if self._epoch not in {None, view.epoch}:
             self._bar_held_buttons()
         self._epoch = view.epoch
+        was_pursuing = self._is_pursuing
         self.joints.refresh(view)
         self.hands.refresh(view)
+        # The strip of the page is grey for a moment, which nobody connects with a robot
+        # that stands still on its way.
+        if was_pursuing and not self._is_pursuing and view.link != "live":
+            detail = f"The link to the station was {view.link}; the motion has ended."
+            remedy = "Ask for the motion again."
+            self._ended_by_link = [Refusal(detail, "link_interrupted", remedy)]
         return view
+
+    @property
+    def _is_pursuing(self) -> bool:
+        return self.joints.is_pursuing or self.hands.is_pursuing
 
     def hold(self, hold: Callable[[float], str]) -> str:
         """Move while a button is held.
@@ -124,7 +136,8 @@ class Teleoperation:
         # What was asked for under a lease must not go on under that of somebody else.
         if before is not None and self._lease != before:
             self.let_go()
-        refusals = self._give_up_lost()
+        refusals = [*self._ended_by_link, *self._give_up_lost()]
+        self._ended_by_link = []
         set_points = [
             *self.joints.step(SEND_PERIOD, self.now()),
             *self.hands.step(self.now()),

@@ -127,6 +127,22 @@ def test_a_stop_ends_a_motion_without_a_reproach(desk, client):
     assert not any("refused" in one for one in told)
 
 
+def test_a_motion_that_a_late_link_ends_is_told_of(desk, client):
+    _say(desk, do="go", targets={"joint1": 0.9})
+    assert _hear(desk, lambda told: told["remaining"] > 0.0)
+    client.view = replace(VIEW, heard_at=VIEW.now - 1.0)
+    told = _hear(desk, lambda told: "refused" in told)
+    assert told["refused"] == "The link to the station was stale; the motion has ended."
+    assert (told["code"], told["remedy"]) == (
+        "link_interrupted",
+        "Ask for the motion again.",
+    )
+    assert _hear(desk, lambda told: "refused" not in told)["remaining"] == 0.0
+    client.view = VIEW
+    later = [json.loads(desk.recv(timeout=PATIENCE)) for _ in range(2)]
+    assert not any("refused" in one or one["remaining"] > 0.0 for one in later)
+
+
 @pytest.mark.parametrize(
     "text", ["{}", "x", '{"do": "go", "targets": {"joint1": NaN}}', '{"do": "fly"}']
 )
