@@ -26,7 +26,7 @@ from station.ui.scene.scene_objects import SceneObjects
 from station.ui.scene.scene_views import SceneViews, paint
 from station.ui.teleoperation.joint_teleoperation import Movers
 from station.ui.teleoperation.reporter import Reporter
-from station.ui.teleoperation.teleoperation import SEND_PERIOD, Teleoperation
+from station.ui.teleoperation.teleoperation import Teleoperation
 from station.ui.teleoperation.viser_panel import (
     GainSliders,
     HandArrows,
@@ -258,7 +258,7 @@ class Dashboard:
     async def _send_set_points(self) -> None:
         """Send the set-points of Viser's panel, until cancelled."""
         while True:
-            await asyncio.sleep(SEND_PERIOD)
+            await self._teleoperation.wait_until_due()
             for refusal in await self._teleoperation.send_set_points():
                 text = f"{refusal.detail} {refusal.remedy}".rstrip()
                 self.reporter.say(refusal.code, text, None)

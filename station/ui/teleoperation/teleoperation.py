@@ -1,5 +1,6 @@
 """Make set-points of the commands of one person, and send them to the station."""
 
+import asyncio
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -70,6 +71,7 @@ class Teleoperation:
         self._held_at = float("-inf")
         self._barred_until = float("-inf")
         self._ended_by_link: list[Refusal] = []
+        self._due_since = float("-inf")
 
     def refresh(self) -> StationView:
         """Note which controllers run; a new epoch ends every motion and held button."""
@@ -125,8 +127,18 @@ class Teleoperation:
         self.joints.let_go()
         self.hands.let_go()
 
+    async def wait_until_due(self) -> None:
+        """Wait until the next set-points are due, a `SEND_PERIOD` after the last ones.
+
+        The time in which the station answers belongs to the period: a motion would
+        otherwise be slower than asked for.
+        """
+        passed = self.now() - self._due_since
+        await asyncio.sleep(max(SEND_PERIOD - passed, 0.0))
+        self._due_since = self.now()
+
     async def send_set_points(self) -> list[Refusal]:
-        """Send the set-points of one period; call every `SEND_PERIOD`.
+        """Send the set-points of one period; call whenever they are due.
 
         Returns:
             The motions that have ended early.

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from station.ui.link.socket_ends import close_socket, send_frame, until_first
 from station.ui.teleoperation.joint_teleoperation import FASTEST, SLOWEST
-from station.ui.teleoperation.teleoperation import SEND_PERIOD, Refusal, Teleoperation
+from station.ui.teleoperation.teleoperation import Refusal, Teleoperation
 from station.wire.rehearsal import Place
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ class TeleoperationSocket:
     async def _send_set_points(self) -> None:
         rounds, link = 0, ""
         while True:
-            await asyncio.sleep(SEND_PERIOD)
+            await self._teleoperation.wait_until_due()
             for refusal in await self._teleoperation.send_set_points():
                 await self._send_refusal(refusal)
             rounds += 1

@@ -2,7 +2,9 @@
 
 import asyncio
 import json
+import time
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from starlette.applications import Starlette
@@ -12,7 +14,7 @@ from websockets.sync.client import connect
 from station.client import ApiError
 from station.ui.teleoperation import joint_teleoperation, teleoperation_socket
 from station.ui.teleoperation.joint_teleoperation import Movers
-from station.ui.teleoperation.teleoperation import Teleoperation
+from station.ui.teleoperation.teleoperation import SEND_PERIOD, Teleoperation
 from station.ui.teleoperation.teleoperation_socket import TeleoperationSocket
 from tests.ui.served import Served
 from tests.ui.views import controller, element, sample, status, view
@@ -30,7 +32,8 @@ class _Client:
     """Remembers the set-points of everybody, and refuses them on request."""
 
     def __init__(self):
-        self.sent = []
+        self.sent, self.sent_at = [], []
+        self.takes = 0.0
         self.refusal = None
         self.lease = None
         self.view = VIEW
@@ -40,6 +43,8 @@ class _Client:
         if self.refusal is not None:
             raise self.refusal
         self.sent.append((name, list(values), epoch))
+        self.sent_at.append(time.monotonic())
+        await asyncio.sleep(self.takes)
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +93,16 @@ def test_the_desk_moves_a_joint_to_a_typed_value(desk, client):
     _say(desk, do="go", targets={"joint1": 0.15})
     _hear(desk, lambda told: client.sent and told["remaining"] == 0.0)
     assert client.sent[-1] == ("arm", [0.15, None], 1)
+
+
+def test_a_station_that_answers_slowly_does_not_slow_a_motion_down(desk, client):
+    client.takes = 0.75 * SEND_PERIOD
+    _say(desk, do="go", targets={"joint1": 0.6})
+    _hear(desk, lambda told: client.sent and told["remaining"] == 0.0)
+    gaps = [after - before for before, after in pairwise(client.sent_at)]
+    # A busy machine makes some of them longer.
+    assert min(gaps) < 1.5 * SEND_PERIOD
+    assert sum(gaps) / len(gaps) > 0.9 * SEND_PERIOD
 
 
 def test_a_held_button_stops_when_the_page_falls_silent(desk, client):
