@@ -11,6 +11,7 @@ nothing is shown or done without a session, and the stop button is the gateway's
 
 from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import asdict, dataclass, field
+from hashlib import blake2b
 from importlib import resources
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Protocol
@@ -267,7 +268,14 @@ async def _static(request: "Request") -> Response:
         _STATIC_FILES.update(_static_files(_STATIC))
     if name not in _STATIC_FILES:
         return Response(status_code=404)
-    return _file(name, _STATIC_TYPES[PurePosixPath(name).suffix])
+    answer = _file(name, _STATIC_TYPES[PurePosixPath(name).suffix])
+    # Of the content, because an upgrade in place may keep the times and sizes of files.
+    tag = f'"{blake2b(answer.body, digest_size=16).hexdigest()}"'
+    kept = {"Cache-Control": "no-cache", "ETag": tag}
+    if tag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=kept)
+    answer.headers.update(kept)
+    return answer
 
 
 def _static_files(folder: "Traversable", prefix: str = "") -> Iterator[str]:

@@ -125,7 +125,7 @@ def _sealing(scope: "Scope", send: "Send") -> "Send":
     async def sealed(message: "Message") -> None:
         if message["type"] == "http.response.start":
             headers = MutableHeaders(scope=message)
-            headers["Cache-Control"] = "no-store"
+            headers.setdefault("Cache-Control", "no-store")
             headers["Content-Security-Policy"] = (
                 _VISER_POLICY if viser else _PAGE_POLICY
             )

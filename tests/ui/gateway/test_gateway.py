@@ -1,5 +1,6 @@
 """The gateway: nothing is shown or done before login, by strangers or by viewers."""
 
+import os
 import socket
 
 import httpx
@@ -9,6 +10,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from station.client import ApiError, StationUnreachableError
+from station.ui.gateway import gateway as gateway_module
 from station.ui.gateway.gateway import GatewayParts, build_gateway
 from station.ui.gateway.guard import origin_policy
 from station.ui.link.station_access import StationAccess
@@ -342,6 +344,36 @@ def test_every_answer_is_sealed(browser, path):
 )
 def test_static_files_are_served(browser, name):
     assert browser.get(f"/static/{name}").status_code == 200
+
+
+def test_a_script_that_a_browser_has_is_not_sent_again(browser):
+    first = browser.get("/static/lib/dom.js")
+    assert first.headers["cache-control"] == "no-cache"
+    tag = first.headers["etag"]
+    for known in (tag, f'W/{tag}, "of another"'):
+        again = browser.get("/static/lib/dom.js", headers={"If-None-Match": known})
+        assert (again.status_code, again.content) == (304, b"")
+        assert (again.headers["etag"], again.headers["cache-control"]) == (
+            tag,
+            "no-cache",
+        )
+        assert again.headers["x-content-type-options"] == "nosniff"
+    other = {"If-None-Match": browser.get("/static/page.js").headers["etag"]}
+    assert browser.get("/static/lib/dom.js", headers=other).content == first.content
+
+
+def test_a_script_is_sent_anew_after_an_upgrade(browser, tmp_path, monkeypatch):
+    script = tmp_path / "page.js"
+    script.write_text("before();")
+    monkeypatch.setattr(gateway_module, "_STATIC", tmp_path)
+    known = {"If-None-Match": browser.get("/static/page.js").headers["etag"]}
+    assert browser.get("/static/page.js", headers=known).status_code == 304
+    # Packages may install files of one size and one time of change.
+    times = (script.stat().st_atime_ns, script.stat().st_mtime_ns)
+    script.write_text("after_();")
+    os.utime(script, ns=times)
+    answer = browser.get("/static/page.js", headers=known)
+    assert (answer.status_code, answer.text) == (200, "after_();")
 
 
 @pytest.mark.parametrize(
