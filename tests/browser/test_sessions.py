@@ -1,6 +1,7 @@
 """What becomes of a motion and of a login when a session, dashboard or station ends."""
 
 import json
+import math
 import os
 import re
 import signal
@@ -265,6 +266,34 @@ def test_what_is_clicked_while_the_station_hangs_is_not_done_later(place, log_in
         page.locator("#log").get_by_text(refused).wait_for()
         running = {c.name for c in client.controllers() if c.state == "running"}
         assert not running & {CONTROLLER, OTHER}
+
+
+def test_a_motion_that_a_hanging_dashboard_ends_is_told_of(place, log_in):
+    with place.client() as client:
+        workspace = log_in()
+        client.switch_controllers(start=[CONTROLLER])
+        workspace.page.wait_for_function(
+            "() => !document.querySelector('.joints input').disabled"
+        )
+        line = workspace.page.locator("#refusal-line")
+        is_told = line.get_by_text("the motion has ended").is_visible
+
+        def is_near(degrees):
+            away = position(client, "panda_joint7") - math.radians(degrees)
+            return abs(away) < math.radians(2)
+
+        # What the dashboard reads first after a pause may be the newest of the station,
+        # and the motion then goes on.
+        for start, goal in ((45, 90), (90, 45)) * 4:
+            workspace.type_into("joints", "Command of joint7", str(goal))
+            assert wait_until(lambda here=start: not is_near(here))
+            os.kill(place.dashboard_pid(), signal.SIGSTOP)
+            time.sleep(1.0)
+            os.kill(place.dashboard_pid(), signal.SIGCONT)
+            assert wait_until(lambda there=goal: is_told() or is_near(there), 60)
+            if is_told():
+                break
+        assert is_told()
 
 
 def test_two_people_type_into_forms_of_their_own(log_in):
