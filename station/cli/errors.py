@@ -52,10 +52,10 @@ def failure_of(error: Exception) -> Failure | None:
         return _failure_of_missing(error)
     # Errors of the client and of pydantic are recognised by their names, because
     # importing these packages takes longer than most verbs.
-    name = type(error).__name__
-    if name in {"ApiError", "StationUnreachableError"}:
+    names = {kind.__name__ for kind in type(error).__mro__}
+    if "ApiError" in names:
         return _failure_of_api(error)
-    if name == "ValidationError":
+    if "ValidationError" in names:
         return _failure_of_validation(error)
     return None
 

@@ -23,6 +23,7 @@ from station.client.controllers import AsyncGoalHandle as AsyncGoalHandle
 from station.client.errors import (
     ApiError as ApiError,
     MotionError as MotionError,
+    NotFiniteError as NotFiniteError,
     StationUnreachableError as StationUnreachableError,
     StreamTimeoutError as StreamTimeoutError,
 )

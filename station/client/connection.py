@@ -11,6 +11,8 @@ from collections.abc import (
     Awaitable,
     Callable,
     Coroutine,
+    Iterable,
+    Iterator,
     Mapping,
     Sequence,
 )
@@ -21,7 +23,7 @@ from urllib.parse import quote
 import httpx
 from pydantic import BaseModel, JsonValue
 
-from station.client.errors import ApiError, StationUnreachableError
+from station.client.errors import ApiError, NotFiniteError, StationUnreachableError
 from station.client.streams import CommandOptions, Rate, StreamOptions, bearer
 from station.wire.base import reader_of
 from station.wire.protocol import CLOCK_HEADER, LEASE_HEADER, NOT_AFTER_HEADER, PREFIX
@@ -384,7 +386,24 @@ def _written(body: BaseModel | Mapping[str, JsonValue]) -> bytes:
     if isinstance(body, BaseModel):
         # Leave defaults to the station: an older client must not fix them.
         return body.model_dump_json(exclude_unset=True).encode()
+    for field, value in _numbers(body):
+        if not math.isfinite(value):
+            raise NotFiniteError(field, value)
     return json.dumps(dict(body), allow_nan=False).encode()
+
+
+def _numbers(value: object, path: str = "") -> Iterator[tuple[str, float]]:
+    """Return the fields of a body that are floating-point numbers."""
+    if isinstance(value, float):
+        yield path, value
+        return
+    items: Iterable[tuple[object, object]] = ()
+    if isinstance(value, Mapping):
+        items = value.items()
+    elif isinstance(value, Sequence) and not isinstance(value, str):
+        items = enumerate(value)
+    for key, each in items:
+        yield from _numbers(each, f"{path}/{key}" if path else str(key))
 
 
 def segment(name: str) -> str:

@@ -2,6 +2,7 @@
 
 ```
 ApiError                       the station refused; has reason and remedy
+├── NotFiniteError             a number of a request is not finite; nothing was sent
 ├── MotionError                a motion or a goal did not reach its aim
 ├── StationUnreachableError    no answer at all
 └── StreamTimeoutError         no such frame came in time
@@ -92,6 +93,18 @@ class StationUnreachableError(ApiError):
                 if "CERTIFICATE_VERIFY_FAILED" in reason
                 else "Check that it is running there (`station run`) and try again."
             ),
+        )
+
+
+class NotFiniteError(ApiError, ValueError):
+    """A number of a request is not finite, which JSON cannot write."""
+
+    def __init__(self, field: str, value: float) -> None:
+        super().__init__(
+            f"{field} is {value}; it must be a finite number.",
+            status=0,
+            code="invalid_request",
+            remedy="Nothing was sent. Correct the value and try again.",
         )
 
 

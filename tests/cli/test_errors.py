@@ -6,7 +6,14 @@ import pytest
 from pydantic import ValidationError
 
 from station.cli.errors import UsageError, failure_of
-from station.client import ApiError, StationUnreachableError
+from station.client import (
+    ApiError,
+    MotionError,
+    NotFiniteError,
+    StationUnreachableError,
+    StreamTimeoutError,
+    UnknownPoseError,
+)
 from station.core.installation import install_command
 from station.local.station_locator import NoStationError
 from station.wire import CommandRequest, FieldError, StopState
@@ -42,6 +49,22 @@ def test_unreachable_station_is_told():
 
     assert failure.code == "unreachable"
     assert "http://x" in failure.detail
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MotionError("6 positions were given for 7 joints.", "Give 7."),
+        UnknownPoseError("There is no pose 'Ready'.", "Name another one."),
+        StreamTimeoutError("loop", 1.0),
+        NotFiniteError("seconds", float("nan")),
+    ],
+)
+def test_every_error_of_the_client_is_told(error):
+    failure = failure_of(error)
+
+    assert (failure.code, failure.detail) == (error.code, error.detail)
+    assert failure.remedy == error.remedy
 
 
 def test_what_cannot_be_sent_is_told():

@@ -91,8 +91,9 @@ def test_a_mapping_with_a_number_that_is_not_finite_is_not_even_sent():
     transport = httpx.MockTransport(recorder.answer)
     connection = AsyncConnection("http://station", None, 1.0, transport)
 
-    with pytest.raises(ValueError, match="not JSON compliant"):
-        asyncio.run(connection.send("POST", "/session", Session, {"x": math.nan}))
+    body = {"steps": [{"kind": "goal", "values": [0.0, math.inf]}]}
+    with pytest.raises(ValueError, match=r"^steps/0/values/1 is inf; it must be a fin"):
+        asyncio.run(connection.send("POST", "/session", Session, body))
     assert recorder.requests == []
 
 
