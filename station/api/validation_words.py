@@ -40,6 +40,10 @@ _WORDS: Mapping[str, str | Callable[[Context], str]] = {
     "less_than_equal": lambda c: f"must be at most {c.get('le')}",
     "literal_error": lambda c: f"must be {c.get('expected')}",
     "enum": lambda c: f"must be {c.get('expected')}",
+    "union_tag_invalid": lambda c: (
+        f"has the {_key(c)} '{c.get('tag')}'; allowed are {c.get('expected_tags')}"
+    ),
+    "union_tag_not_found": lambda c: f"has no {_key(c)}",
     "value_error": lambda c: str(c.get("error", "is not allowed")),
     "assertion_error": lambda c: str(c.get("error", "is not allowed")),
 }
@@ -79,6 +83,10 @@ def explain_json(body: object, position: int, why: str) -> str:
     shown = text[position : position + 20]
     at = f"{shown!r} at character {position}" if shown else "its end"
     return f"is no JSON: {why.partition(':')[0]}, at {at}"
+
+
+def _key(context: Context) -> str:
+    return str(context.get("discriminator")).strip("'")
 
 
 def _items(context: Context, key: str) -> str:

@@ -56,6 +56,20 @@ def test_a_refusal_says_which_field_its_value_and_what_is_allowed(
     assert not PYDANTIC.search(answer.text)
 
 
+@pytest.mark.parametrize(
+    ("step", "detail"),
+    [
+        ({"kind": "dance"}, "body/steps/0: has the kind 'dance'; allowed are 'set_poi"),
+        ({}, "body/steps/0: has no kind."),
+    ],
+)
+def test_a_step_of_no_known_kind_is_told_the_kinds(operator, step, detail):
+    answer = operator.post("/api/v1/rehearse", json={"steps": [step]})
+
+    assert answer.status_code == 422
+    assert detail in answer.json()["detail"]
+
+
 @pytest.mark.parametrize("body", [b"{nan}", '{"a": nan}', b"\xff", None])
 def test_any_body_that_is_no_json_is_explained(body):
     assert "no JSON" in explain_json(body, 1, "unexpected: line 1")
