@@ -60,8 +60,20 @@ def _steps(client: "StationClient", options: Namespace) -> "list[dict[str, JsonV
     """Return the steps that the arguments ask for.
 
     Raises:
-        UsageError: The command to rehearse is missing, or the file holds no steps.
+        UsageError: The command to rehearse is missing or there are several, or the
+            file holds no steps.
     """
+    named = {
+        "a controller": options.controller,
+        "--path": options.path,
+        "--file": options.file,
+    }
+    given = [source for source, value in named.items() if value is not None]
+    if len(given) > 1:
+        raise UsageError(
+            f"What to rehearse was named twice: by {' and by '.join(given)}.",
+            remedy="Name a controller with a set-point, or give --path or --file.",
+        )
     if options.file is not None:
         return _steps_of_file(options.file)
     if options.path is not None:

@@ -4,6 +4,7 @@ from argparse import ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
+from station.cli.errors import UsageError
 from station.cli.output import answer, say
 
 if TYPE_CHECKING:
@@ -149,10 +150,28 @@ def _change(client: "StationClient", options: Namespace) -> "SceneObject":
     values = dict(options.values)
     if options.action == "put":
         return client.put_object(options.name, **values)
-    load = values.pop("load", "yes") != "no"
+    load = _is_to_load(options.action, values)
     if options.action == "attach":
         return client.attach_object(options.name, values.get("arm", ""), load=load)
     return client.detach_object(options.name, load=load)
+
+
+def _is_to_load(action: str, values: dict[str, object]) -> bool:
+    """Return whether the arm is told the mass of what it carries.
+
+    Raises:
+        UsageError: A key or a value is unknown.
+    """
+    allowed = {"arm", "load"} if action == "attach" else {"load"}
+    for unknown in sorted(set(values) - allowed):
+        raise UsageError(
+            f"`scene {action}` has no key '{unknown}'.",
+            remedy=f"Give {' and '.join(sorted(allowed))}, or leave them out.",
+        )
+    load = values.get("load", "yes")
+    if load not in {"yes", "no"}:
+        raise UsageError(f"load is '{load}'.", remedy="Give load=yes or load=no.")
+    return load == "yes"
 
 
 def _list(client: "StationClient", options: Namespace) -> None:

@@ -2,6 +2,7 @@
 
 import json
 
+import pytest
 from pydantic import TypeAdapter
 
 from station.wire import Rehearsal
@@ -63,6 +64,16 @@ def test_failed_steps_of_a_file_give_exit_code_1(run, station, tmp_path):
     assert station.calls == [("rehearse", steps, None, True)]
     assert "reflex at panda_joint4 in cycle 70: It touched something." in outcome.out
     assert "Touching: panda_link5 and post." in outcome.out
+
+
+@pytest.mark.parametrize(
+    "words", ["arm ready --path wave", "arm --file s.json", "--path w --file s.json"]
+)
+def test_two_things_to_rehearse_are_refused(run, station, words):
+    outcome = run(f"rehearse {words}")
+
+    assert (outcome.code, station.calls) == (2, [])
+    assert "was named twice" in outcome.err
 
 
 def test_nothing_to_rehearse_is_refused(run):

@@ -49,6 +49,21 @@ def test_an_object_is_attached_and_detached(run, asked):
     ]
 
 
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        ("attach cube arm=panda load=false", "load is 'false'"),
+        ("attach cube amr=panda", "has no key 'amr'"),
+        ("detach cube arm=panda", "has no key 'arm'"),
+    ],
+)
+def test_an_unknown_word_of_attach_is_refused(run, asked, words, reason):
+    outcome = run(f"scene {words}")
+
+    assert (outcome.code, asked) == (2, [])
+    assert reason in outcome.err
+
+
 def test_scenes_are_saved_listed_loaded_and_deleted(run, asked):
     assert "'cell' with 1 objects is saved" in run("scene save cell").out
     assert run("scene saved").out == "cell\n"
