@@ -8,6 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from pydantic import ValidationError
+
+from station.api.validation_words import explain
 from station.app.composition import compose
 from station.app.panda_fetch import fetch_what_is_missing
 from station.app.recording_start import describe
@@ -21,7 +24,7 @@ from station.core.clock import ManualClock
 from station.core.control.controller import ControllerState
 from station.core.control.controller_manager import ControllerStatus
 from station.core.control.switching import SwitchRequest
-from station.core.errors import RecordingFileError
+from station.core.errors import InvalidCommandError, RecordingFileError
 from station.core.loop.snapshot import Snapshot
 from station.core.loop.stop_latch import StopState
 from station.core.scheduling import realtime_interpreter
@@ -29,6 +32,7 @@ from station.hw.robot_loader import find_robot
 from station.rehearsal.rehearsals import Rehearsals
 from station.reports import Rehearsal
 from station.wire import StreamFrame
+from station.wire.rehearsal import RehearsalRequest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -273,17 +277,28 @@ class InProcessStation:
 
         Args:
             steps: The commands, as `POST /rehearse` takes them.
-            seconds: How long the rehearsal lasts [s]; None ends it when all goals have
-                ended and the joints stand still, after 30 s at the latest.
+            seconds: How long the rehearsal lasts [s], above 0 and at most 60; None ends
+                it when all goals have ended and the joints stand still, after 30 s at
+                the latest.
 
         Raises:
+            InvalidCommandError: A step or `seconds` is not what `POST /rehearse` takes.
             RehearsalError: The robot is real and moves or has no model, or this machine
                 cannot copy the process.
         """
-        defaults = {"at": 0.0, "timeout": None, "rates": None}
+        asked = {"steps": list(steps), "seconds": seconds}
+        try:
+            request = RehearsalRequest.model_validate(asked, strict=False)
+        except ValidationError as error:
+            first = error.errors()[0]
+            field = "/".join(str(part) for part in first["loc"])
+            raise InvalidCommandError(
+                f"{field}: {explain(first['type'], first.get('ctx', {}))}.",
+                remedy="Give the steps as `POST /rehearse` takes them.",
+            ) from error
         run = partial(run_model, self._config)
         return Rehearsals(self.facade, run_model=run).rehearse(
-            [{**defaults, **step} for step in steps], seconds
+            [step.as_input() for step in request.steps], request.seconds
         )
 
     def reset(self, positions: Mapping[str, float] | None = None) -> None:

@@ -1,13 +1,21 @@
 """A station inside a program: stepped in virtual time, or with its thread."""
 
+import math
+
 import numpy as np
 import pytest
 
 import station
 from station.client import MotionError
 from station.core.control.controller import ControllerState
-from station.core.errors import InvalidTrajectoryError, LoopError, RobotDescriptionError
+from station.core.errors import (
+    InvalidCommandError,
+    InvalidTrajectoryError,
+    LoopError,
+    RobotDescriptionError,
+)
 from station.core.loop.stop_latch import StopState
+from station.reports import RehearsalOutcome
 
 GROUP = "effort_group_position_controller"
 MOCK = {
@@ -84,6 +92,32 @@ def test_every_cycle_is_collected_however_many(mock):
 def test_single_values_can_be_set():
     with station.open(MOCK, settings={"station.rate": 500}) as opened:
         assert opened.facade.loop.period == 0.002
+
+
+def test_steps_of_a_rehearsal_are_those_of_the_api():
+    with station.open() as panda:
+        told = panda.rehearse([{"kind": "switch", "start": [GROUP]}], 0.05)
+        told_of_a_tuple = panda.rehearse(({"kind": "switch", "start": (GROUP,)},), 0.05)
+
+    assert (told.outcome, told.error) == (RehearsalOutcome.COMPLETED, None)
+    assert told_of_a_tuple.digest == told.digest
+
+
+@pytest.mark.parametrize(
+    ("steps", "seconds", "reason"),
+    [
+        ([{"kind": "dance"}], None, "steps/0: has the kind 'dance'; allowed are"),
+        ([{"kind": "switch", "begin": ["arm"]}], None, "begin: is no field"),
+        ([{"kind": "goal", "name": "arm"}], None, "request: is missing"),
+        ([], math.nan, "seconds: must be a finite number"),
+        ([], math.inf, "seconds: must be a finite number"),
+        ([], 0.0, r"seconds: must be greater than 0\.0"),
+        ([], 1e9, r"seconds: must be at most 60\.0"),
+    ],
+)
+def test_what_cannot_be_rehearsed_is_refused(mock, steps, seconds, reason):
+    with pytest.raises(InvalidCommandError, match=reason):
+        mock.rehearse(steps, seconds)
 
 
 def test_closing_stops_the_robot():
