@@ -229,7 +229,7 @@ class DeclaredParameter:
         way_out = "" if self.is_required else ", or leave the parameter out"
         raise ParameterError(
             f"Parameter '{place}' is {value}; it must be {allowed}.",
-            remedy=f"Give the {self.description}{way_out}.",
+            remedy=f"Correct the value{way_out}. Its meaning: {self.description}.",
             details={"parameter": place},
         )
 

@@ -62,7 +62,10 @@ def test_a_number_out_of_range_is_refused_with_what_is_allowed(value):
         GAIN.read_float(params(gain=value))
 
     assert caught.value.details == {"parameter": "it/gain"}
-    assert "pull towards the target, or leave the parameter out" in caught.value.remedy
+    assert caught.value.remedy == (
+        "Correct the value, or leave the parameter out. Its meaning: pull towards the "
+        "target."
+    )
 
 
 def test_a_required_parameter_that_is_missing_is_refused():
