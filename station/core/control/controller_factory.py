@@ -167,6 +167,10 @@ class ControllerFactory:
         params = Parameters(tree, self._parameters.resolve(name), reads)
         controller_type = params.get_str("type")
         fallback = tuple(FALLBACK.read_str_list(params))
+        if name in fallback:
+            # A controller that fails in every update would start again in every cycle,
+            # and be listed as running, without a fault.
+            FALLBACK.refuse(params, list(fallback), "names of other controllers")
         may_jump = ALLOW_START_JUMP.read_bool(params)
         update_rate = UPDATE_RATE.read_float(params)
         asynchronous = AsyncParams.read(params, reads)

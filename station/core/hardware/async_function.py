@@ -99,6 +99,8 @@ class AsyncParams:
             TIME_LIMIT.read_float(params),
             PROCESS.read_bool(params),
         )
+        if cycles != int(cycles):
+            CYCLES.refuse(params, cycles, "a whole number >= 1")
         if not IS_ASYNC.read_bool(params):
             return None
         reads |= {
@@ -296,6 +298,11 @@ class AsyncFunction:
             self._function(*self._job)
         except CONTAINED as error:  # raised again in the control thread
             self._error = error
+        except KeyboardInterrupt as interrupt:
+            # Only the main thread gets it from Python; here the function has raised it.
+            # It would end this thread, and the caller would wait for it without a word.
+            self._error = RuntimeError("KeyboardInterrupt")
+            self._error.__cause__ = interrupt
         self._durations.add(wall_time() - begin)
         # In this order, so that a function added meanwhile finds no call under way.
         self._is_ending = True

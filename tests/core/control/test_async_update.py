@@ -158,6 +158,19 @@ def test_what_an_update_raises_stops_the_controller():
     assert "no solution" in bench.status("slow").fault
 
 
+def test_a_keyboard_interrupt_of_a_library_stops_the_controller():
+    bench, slow, joints = make()
+    bench.manager.pump = None  # as with a loop that runs
+    slow.error = KeyboardInterrupt()
+    step(bench, [0.01], joints)
+    assert slow.begun.acquire(timeout=PATIENCE)
+    wait_until_idle(bench)
+
+    step(bench, [0.02, 0.03], joints)
+
+    assert "KeyboardInterrupt" in bench.status("slow").fault
+
+
 def test_stopping_waits_for_the_update_in_its_thread_and_the_cycle_does_not():
     bench, slow, joints = make()
     slow.is_held = True

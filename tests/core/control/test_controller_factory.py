@@ -55,6 +55,23 @@ def test_a_name_that_is_none_is_refused(factory, name):
         factory.build(name)
 
 
+def test_a_controller_is_no_fallback_of_itself(factory, parameters):
+    arm = {"type": "test/Effort", "joints": ["joint1"], "fallback": ["rest", "arm"]}
+    parameters.set("arm", arm)
+
+    with pytest.raises(ParameterError, match=r"'arm'\]; it must be names of other con"):
+        factory.build("arm")
+
+
+@pytest.mark.parametrize("cycles", [0, 1.5])
+def test_results_count_after_whole_cycles(factory, parameters, cycles):
+    wanted = {"is_async": True, "async_parameters": {"cycles": cycles}}
+    parameters.set("arm", {"type": "test/Effort", "joints": ["joint1"], **wanted})
+
+    with pytest.raises(ParameterError, match=rf"cycles' is {cycles:.1f}; it must be "):
+        factory.build("arm")
+
+
 @pytest.mark.parametrize("name", ["1bad", "a/b", "never_defined"])
 def test_a_controller_without_a_type_is_refused(factory, name):
     with pytest.raises(ParameterError, match=f"{name}/type"):
