@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table
+from station.core.errors import RecordingRefusedError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -137,7 +138,7 @@ def _stop(client: "StationClient", name: str | None) -> "Recording":
     try:
         return client.recordings.stop(name)
     except LookupError as error:
-        raise UsageError(
+        raise RecordingRefusedError(
             str(error), remedy="`station record start` begins a recording."
         ) from error
 

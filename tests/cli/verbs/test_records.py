@@ -84,6 +84,15 @@ def test_a_recording_that_failed_is_told_with_the_exit_code(run, recordings):
     assert "3 lost. The disk is full." in outcome.out
 
 
+def test_a_stop_while_nothing_is_recorded_is_refused(run, recordings):
+    recordings.found = None
+
+    outcome = run("record stop")
+
+    assert outcome.code == 1
+    assert "Nothing is being recorded." in outcome.err
+
+
 def test_recordings_are_listed(run):
     line = run("record list").out.splitlines()[1].split()
     assert line[:4] == ["20261122T091500123-pick", "stopped", "0.4", "s"]
