@@ -55,6 +55,7 @@ def add_run(parser: "Parser") -> None:
         nargs="+",
         action="extend",
         default=[],
+        type=_argument,
         metavar="NAME:=VALUE",
         help="what $(var NAME) stands for in these files",
     )
@@ -182,6 +183,18 @@ def _patience(text: str) -> float:
     return value
 
 
+def _argument(text: str) -> tuple[str, str]:
+    """Return a name and its value, which may be empty.
+
+    Raises:
+        ArgumentTypeError: The text is malformed.
+    """
+    name, sign, value = text.partition(":=")
+    if not (name and sign):
+        raise ArgumentTypeError(f"{text!r} is not NAME:=VALUE, such as prefix:=left_")
+    return name, value
+
+
 def run(options: Namespace) -> int:
     """Run a station until Ctrl-C; return 3 when the watchdog has ended it."""
     from station.app.json_log import JSON, set_up_log
@@ -199,9 +212,7 @@ def run(options: Namespace) -> int:
     }
     if options.no_ui:
         flags["ui.enabled"] = False
-    for argument in options.arg:
-        name, _, value = argument.partition(":=")
-        flags[f"arguments.{name}"] = value
+    flags |= {f"arguments.{name}": value for name, value in options.arg}
     for tool in ("foxglove", "rosbridge"):
         if (port := getattr(options, tool)) is not None:
             flags |= {f"{tool}.enabled": True, f"{tool}.port": port}

@@ -66,6 +66,20 @@ def test_controller_files_are_added(run, started, tmp_path):
     assert "arm" in started[0].controllers
 
 
+def test_arguments_of_files_are_added(run, started):
+    run("run --arg prefix:=left_ tf_prefix:= --no-ui --port 0")
+
+    assert started[0].arguments == {"prefix": "left_", "tf_prefix": ""}
+
+
+@pytest.mark.parametrize("word", ["prefix", "prefix=left_", ":=left_"])
+def test_a_malformed_argument_of_files_is_refused(run, started, word):
+    outcome = run(f"run --arg {word} --no-ui --port 0")
+
+    assert (outcome.code, started) == (2, [])
+    assert f"'{word}' is not NAME:=VALUE, such as prefix:=left_" in outcome.err
+
+
 @pytest.mark.usefixtures("started")
 def test_addresses_are_printed(run):
     outcome = run("run")
