@@ -7,7 +7,7 @@ keeps the commands with their owners.
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from station.core.control.chainable_controller import ChainableController
 from station.core.control.controller_manager import ControllerManager
@@ -37,17 +37,17 @@ class CommandPlace:
         storage: The list that holds the command.
         index: Index in the list.
         rest: Function that returns the present rest command of the resource.
+        slot: Identity of storage and index: several interfaces may share a command.
     """
 
     claim: tuple[str, str]
     storage: list[float]
     index: int
     rest: Callable[[], float]
+    slot: tuple[int, int] = field(init=False)
 
-    @property
-    def slot(self) -> tuple[int, int]:
-        """Identity of storage and index: several interfaces may share a command."""
-        return id(self.storage), self.index
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "slot", (id(self.storage), self.index))
 
 
 class ChainCheck:
@@ -69,7 +69,7 @@ class ChainCheck:
         running = [one for one in loaded if one.controller.is_running()]
         owners: dict[str, str] = {}
         for place, one in enumerate(loaded):
-            if any(each not in loaded[place:] for each in one.following):
+            if one.following and any(e not in loaded[place:] for e in one.following):
                 return f"'{one.info.name}' is not updated before what it commands"
         for one in running:
             missing = one.missing_following()
@@ -85,6 +85,23 @@ class ChainCheck:
                 if chained != (one in commanded):
                     return f"chained mode of '{one.info.name}' is {chained}"
         return None
+
+
+@dataclass(frozen=True, slots=True)
+class _Ownership:
+    """What running controllers own; it is the same while the same ones run.
+
+    Attributes:
+        running: The running controllers.
+        names: Names of the resources that they claim.
+        owned: Identities of the commands that they claim.
+        free: The commands without an owner.
+    """
+
+    running: Sequence[ControllerInfo]
+    names: frozenset[str]
+    owned: frozenset[tuple[int, int]]
+    free: Sequence[CommandPlace]
 
 
 class SwitchObserver:
@@ -130,7 +147,7 @@ class SwitchObserver:
         self._settling = settling
         self._places = command_places(robot)
         self._resting: dict[tuple[int, int], float] = {}
-        self._owned_names: set[str] = set()
+        self._ownership = self._find_ownership(())
         self._unowned_since: dict[str, tuple[int, float]] = {}
         self._cycles = [manager.cycle]
         self._running = [frozenset(info.name for info in manager.running())]
@@ -151,10 +168,14 @@ class SwitchObserver:
     def look(self) -> None:
         """Check the present state of the robot; it is called before every `write`."""
         cycle, running = self._manager.cycle, self._manager.running()
+        before = self._ownership
+        # A robot makes hundreds of cycles between two switches.
+        if running != before.running:
+            self._ownership = self._find_ownership(running)
         self.find_wrong_commands()
         self._look_at_owners(running)
-        self._look_at_rest(running)
-        self._look_at_joints(running, cycle)
+        self._look_at_rest(before.names)
+        self._look_at_joints(cycle)
         if not self._manager.is_switching():
             for mirror in self._mirrors:
                 self._note(mirror.difference(running))
@@ -206,7 +227,8 @@ class SwitchObserver:
             if type(value) is not float or not math.isfinite(value):
                 self._note(f"command {value!r} of {place.claim[1]} is no finite float")
 
-    def _look_at_owners(self, running: Sequence[ControllerInfo]) -> None:
+    def _find_ownership(self, running: Sequence[ControllerInfo]) -> _Ownership:
+        """Find what controllers own; note every resource with two owners."""
         owners: dict[tuple[str, str], str] = {}
         for info in running:
             for claim in info.claimed_resources:
@@ -216,28 +238,30 @@ class SwitchObserver:
                     )
                     if other != info.name and not self._may_share:
                         self._note(f"{resource} is owned by {other} and {info.name}")
+        owned = frozenset(one.slot for one in self._places if one.claim in owners)
+        return _Ownership(
+            running,
+            frozenset(resource for _, resource in owners),
+            owned,
+            [place for place in self._places if place.slot not in owned],
+        )
+
+    def _look_at_owners(self, running: Sequence[ControllerInfo]) -> None:
         conflicts = self._robot.check_for_conflict(running)
         if conflicts:
             self._note(f"two owners: {conflicts[0].reason}")
 
-    def _look_at_rest(self, running: Sequence[ControllerInfo]) -> None:
-        claims = {
-            (claim.hardware_interface, resource)
-            for info in running
-            for claim in info.claimed_resources
-            for resource in claim.resources
-        }
-        owned = {place.slot for place in self._places if place.claim in claims}
-        for place in self._places:
+    def _look_at_rest(self, owned_before: frozenset[str]) -> None:
+        for slot in self._ownership.owned:
+            self._resting.pop(slot, None)
+        for place in self._ownership.free:
             slot, value = place.slot, place.storage[place.index]
-            if slot in owned:
-                self._resting.pop(slot, None)
-                continue
             # A resource that had an owner through any interface may have moved, so its
             # commands may get a new rest. Without an owner they keep their rest.
             before = self._resting.get(slot)
-            had_owner = place.claim[1] in self._owned_names
-            if before is None or (had_owner and value != before):
+            if value == before:
+                continue
+            if before is None or place.claim[1] in owned_before:
                 self._resting[slot] = value
                 rest = place.rest()
                 if math.isfinite(rest) and not math.isclose(
@@ -247,24 +271,18 @@ class SwitchObserver:
                         f"command {value!r} of {place.claim} without an owner does not "
                         f"rest at {rest!r}"
                     )
-            elif value != before:
+            else:
                 self._note(
                     f"command {place.claim} without an owner changed from "
                     f"{self._resting[slot]!r} to {value!r}"
                 )
                 self._resting[slot] = value
-        self._owned_names = {resource for _, resource in claims}
 
-    def _look_at_joints(self, running: Sequence[ControllerInfo], cycle: int) -> None:
+    def _look_at_joints(self, cycle: int) -> None:
         states = self._robot.get(JointStateInterface)
         if states is None or self._drift == math.inf:
             return
-        owned = {
-            resource
-            for info in running
-            for claim in info.claimed_resources
-            for resource in claim.resources
-        }
+        owned = self._ownership.names
         if owned - {*states.get_names()}:  # e.g. a whole arm
             self._unowned_since.clear()
             return
@@ -302,7 +320,9 @@ class _Mirror:
         self._robot = robot
         self._manager = manager
         self._resources = robot.resources()
-        self._told = self._concerned(manager.running())
+        self._running: Sequence[ControllerInfo] = manager.running()
+        self._known = self._concerned(self._running)
+        self._told = set(self._known)
         self._unsure: set[str] = set()
         do_switch = robot.do_switch
 
@@ -324,7 +344,9 @@ class _Mirror:
         Args:
             running: The controllers that run.
         """
-        wrong = (self._told ^ self._concerned(running)) - self._unsure
+        if running != self._running:
+            self._running, self._known = running, self._concerned(running)
+        wrong = (self._told ^ self._known) - self._unsure
         if not wrong:
             return None
         status = {one.name: one for one in self._manager.list_controllers()}
@@ -341,7 +363,7 @@ class _Mirror:
         }
         if not wrong:
             return None
-        told, self._told = self._told, self._concerned(running)
+        told, self._told = self._told, set(self._known)
         faults = {name: status[name].fault for name in wrong & status.keys()}
         return (
             f"the robot was not told what became of {_names(wrong)}: it was told of "
