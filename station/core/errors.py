@@ -61,6 +61,7 @@ StationError
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from numbers import Real
 from typing import NoReturn
 
@@ -68,6 +69,8 @@ from typing_extensions import override
 
 _MAX_SHOWN = 80
 _MAX_LISTED = 8
+_LIKELY = 0.6
+"""Likeness of a name that may have been meant; the default of `difflib`."""
 
 
 def show(value: object) -> str:
@@ -93,18 +96,42 @@ def suggest(name: str, known: Iterable[str]) -> str:
         name: The name that is unknown.
         known: The names there are, in the order in which they are listed.
     """
-    names = list(dict.fromkeys(known))
+    return _suggest(name, tuple(dict.fromkeys(known)))
+
+
+# A controller that is loaded again has the same unknown parameters again.
+@lru_cache(maxsize=4096)
+def _suggest(name: str, names: tuple[str, ...]) -> str:
     if not names:
         return "There are none."
-    likely = difflib.get_close_matches(name, names, 1)
     if len(names) <= _MAX_LISTED:
+        likely = difflib.get_close_matches(name, names, 1)
         meant = f"Did you mean '{likely[0]}'? " if likely and len(names) > 1 else ""
         return f"{meant}There are: {', '.join(names)}."
-    first, second, third = difflib.get_close_matches(name, names, 3, cutoff=0.0)
-    if likely:
+    (ratio, first), (_, second), (_, third) = _nearest(name, names)
+    if ratio >= _LIKELY:
         meant = f"'{first}', '{second}' or '{third}'"
         return f"Did you mean {meant}? There are {len(names)} in all."
     return f"The nearest of {len(names)} are '{first}', '{second}' and '{third}'."
+
+
+def _nearest(name: str, names: Sequence[str]) -> list[tuple[float, str]]:
+    """Return the three names that resemble `name` most, each after its likeness.
+
+    They are those of `difflib.get_close_matches`, which compares all names in full.
+    """
+    matcher = difflib.SequenceMatcher(b=name)
+    bounds: list[tuple[float, str]] = []
+    for one in names:
+        matcher.set_seq1(one)
+        bounds.append((matcher.quick_ratio(), one))
+    best: list[tuple[float, str]] = []
+    for bound, one in sorted(bounds, reverse=True):
+        if len(best) == 3 and bound < best[-1][0]:
+            break
+        matcher.set_seq1(one)
+        best = sorted([*best, (matcher.ratio(), one)], reverse=True)[:3]
+    return best
 
 
 class StationError(Exception):

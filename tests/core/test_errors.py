@@ -1,6 +1,9 @@
 """One root, builtin parents, and messages that reach the user as written."""
 
+import difflib
+
 import pytest
+from hypothesis import given, strategies as st
 
 from station.core import errors
 from station.core.errors import ConfigError, key_text, show, suggest
@@ -81,6 +84,19 @@ def test_of_many_names_the_nearest_three_are_told():
     assert told.endswith("? There are 38 in all.")
     assert told.count("'") == 6
     assert suggest("zzz", names).count("'") == 6
+
+
+@given(st.text("abc_/", max_size=9), st.sets(st.text("abc_/", max_size=9), min_size=9))
+def test_the_nearest_names_are_those_of_difflib(name, known):
+    names = sorted(known)
+    first, second, third = difflib.get_close_matches(name, names, 3, cutoff=0.0)
+    is_likely = bool(difflib.get_close_matches(name, names, 1))
+
+    told = suggest(name, names)
+
+    assert told.startswith("Did you mean" if is_likely else "The nearest of")
+    assert f"'{first}', '{second}' " in told
+    assert f"'{third}'" in told
 
 
 def test_all_problems_are_in_message_and_details():
