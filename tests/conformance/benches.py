@@ -171,18 +171,30 @@ def bench_for(controller_type: str, **more: object) -> Bench:
         controller_type: A key of `CONTROLLERS`.
         more: More parameters of the controller.
     """
-    special = PARAMETERS_OF_TYPES.get(controller_type, {})
-    parameters = {**CONTROLLER_PARAMETERS, **special, **more}
+    bench = robot_bench(robot_for(controller_type))
+    bench.load_controller("it", controller_type, **_parameters(controller_type, more))
+    return bench
+
+
+@cache
+def robot_for(controller_type: str) -> str:
+    """Return the type of the robot that has what a controller claims.
+
+    Args:
+        controller_type: A key of `CONTROLLERS`.
+    """
     if controller_type in TWO_ARMED:
-        bench = robot_bench("franka_hw/FrankaCombinedHW")
-        bench.load_controller("it", controller_type, **parameters)
-        return bench
-    bench = robot_bench()
+        return "franka_hw/FrankaCombinedHW"
+    parameters = _parameters(controller_type, {})
     try:
-        bench.load_controller("it", controller_type, **parameters)
+        robot_bench().load_controller("it", controller_type, **parameters)
     except ControllerLoadError as error:
         if "hardware_interface" not in error.details:
             raise
-        bench = robot_bench("franka_hw/FrankaHW")
-        bench.load_controller("it", controller_type, **parameters)
-    return bench
+        return "franka_hw/FrankaHW"
+    return "mock_hw/MockRobotHW"
+
+
+def _parameters(controller_type: str, more: Mapping[str, object]) -> dict[str, object]:
+    special = PARAMETERS_OF_TYPES.get(controller_type, {})
+    return {**CONTROLLER_PARAMETERS, **special, **more}
