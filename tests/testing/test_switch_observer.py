@@ -66,6 +66,22 @@ def test_a_command_that_does_not_rest_when_its_owner_stops_is_found(bench, obser
     assert "does not rest at 0.0" in observer.problems[0]
 
 
+@pytest.mark.usefixtures("open_gate")
+def test_a_command_that_rests_where_it_did_before_its_owner_is_found():
+    bench = ScriptedBench()
+    bench.load("p", "j1", kind="Position")
+    observer = SwitchObserver(bench.robot, bench.manager)
+    bench.step()
+    bench.switch(["p"])
+    p = bench.manager.get_controller("p")
+    p.command(0.01)
+    bench.step(3)
+    p.actions["stopping"] = lambda: p.command(0.0)
+    bench.switch([], ["p"])
+
+    assert "does not rest at 0.01" in observer.problems[0]
+
+
 def test_a_joint_without_an_owner_that_moves_is_found(bench, observer):
     bench.step(5)
     bench.robot.joints.position[1] += 0.1
