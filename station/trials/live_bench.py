@@ -9,7 +9,7 @@ of its loop, so the bench also limits the measured speeds (`SPEED_SHARE`).
 import math
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -143,8 +143,12 @@ class LiveBench:
                     self._sleep(_TICK)
                     recorder.take()
                     cycle = self._station.loop.cycle - first
-                    self._check_speeds(fastest)
-                    self._check_on_the_way(joint, start, allowed, deadline)
+                    latest = self._station.latest()
+                    self._check_speeds(latest.velocity, fastest)
+                    self._check_on_the_way(
+                        excitation.joint, latest.position[joint] - start, allowed
+                    )
+                    self._check_time(deadline)
         # Move the joint back before raising the error, because no caller would do it.
         except BenchRefusedError:
             self._brake(controller, begin, admit)
@@ -329,15 +333,14 @@ class LiveBench:
         found = [limits.get(name) for name in self._station.joint_names]
         return [math.inf if limit is None else SPEED_SHARE * limit for limit in found]
 
-    def _check_speeds(self, fastest: list[float]) -> None:
+    def _check_speeds(self, speeds: Sequence[float], fastest: list[float]) -> None:
         """End a measurement in which a joint comes near its velocity limit.
 
         Raises:
             BenchRefusedError: The joint leaves its envelope.
         """
-        station = self._station
-        speeds = station.latest().velocity
-        for name, speed, most in zip(station.joint_names, speeds, fastest, strict=True):
+        names = self._station.joint_names
+        for name, speed, most in zip(names, speeds, fastest, strict=True):
             if abs(speed) > most:
                 raise BenchRefusedError(
                     f"The measurement was ended: '{name}' moved with {abs(speed):.3g} "
@@ -348,25 +351,27 @@ class LiveBench:
                     details={"joint": name, "speed": abs(speed)},
                 )
 
-    def _check_on_the_way(
-        self, joint: int, start: float, allowed: float, deadline: float
-    ) -> None:
-        """End a measurement that leaves its bounds.
+    def _check_on_the_way(self, joint: str, moved: float, allowed: float) -> None:
+        """End a measurement whose joint has moved too far.
 
         Raises:
-            BenchRefusedError: The joint is too far from its start, or station time does
-                not pass.
+            BenchRefusedError: The joint is too far from its start.
         """
-        position = self._station.latest().position[joint]
-        name = self._station.joint_names[joint]
-        if abs(position - start) > allowed:
+        if abs(moved) > allowed:
             raise BenchRefusedError(
-                f"The measurement was ended: '{name}' was {abs(position - start):.3g} "
+                f"The measurement was ended: '{joint}' was {abs(moved):.3g} "
                 f"away from where it began; allowed are {allowed:.3g}.",
                 remedy="The loop may be unstable: choose other gains, or a smaller "
                 "amplitude.",
-                details={"joint": name},
+                details={"joint": joint},
             )
+
+    def _check_time(self, deadline: float) -> None:
+        """End a measurement in which station time does not pass.
+
+        Raises:
+            BenchRefusedError: The deadline has passed.
+        """
         if self._now() > deadline:
             raise BenchRefusedError(
                 "The measurement was ended: the cycles are too slow.",
