@@ -89,7 +89,7 @@ class ChainCheck:
 
 @dataclass(frozen=True, slots=True)
 class _Ownership:
-    """What running controllers own; it is the same while the same ones run.
+    """Resources of the running controllers; they last while the same ones run.
 
     Attributes:
         running: The running controllers.

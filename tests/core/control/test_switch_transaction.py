@@ -153,7 +153,7 @@ def cases() -> Iterator[tuple[object, ...]]:
 
 
 def choices(case: tuple[object, ...]) -> dict[tuple[str, object], object]:
-    """Return what can be asked of a case, with its answers.
+    """Return all questions to the robot and the callbacks of a case, with answers.
 
     `ANSWERS` have three cycles at most, and the last answer is repeated.
     """
