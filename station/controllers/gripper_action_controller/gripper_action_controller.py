@@ -476,7 +476,7 @@ class PositionGripperActionController(GripperActionController[PositionJointInter
         if pressing > target.max_effort:
             share = max(target.max_effort / pressing, _LARGEST_YIELD)
             self._reach = max(min(self._reach, abs(way)) * share, _LEAST_REACH)
-        elif pressing < _ENOUGH * target.max_effort:
+        elif self._reach < inf and pressing < _ENOUGH * target.max_effort:
             # It grows slowly: the effort may follow the command with a delay.
             self._reach *= 1.0 + _REACH_GROWTH * period
         if abs(way) <= self._reach:

@@ -66,6 +66,10 @@ class FingerJoints:
         self.sensor.read()
         put(self._position_commands, self._positions)
         self.claimed: dict[str, str] = {}
+        # Indices of the claimed fingers, and whether they are commanded by position:
+        # `write` would have to find both in every cycle.
+        self._claimed: list[int] = []
+        self._is_position = False
         self._owners: dict[str, str] = {}
         self.states = [
             JointStateHandle(name, self._positions, block["dq"], block["tau"], index)
@@ -104,20 +108,20 @@ class FingerJoints:
         if not self.claimed:
             self.hand.advance()
             return
-        kind = next(iter(self.claimed.values()))
-        is_position = kind == PositionJointInterface.type_name
+        is_position, claimed = self._is_position, self._claimed
         commands = self._position_commands if is_position else self._effort_commands
-        claimed = [commands[self.names.index(name)] for name in self.claimed]
-        # The fingers move as one, so the position is the mean of their commands.
-        mean = sum(claimed) / len(claimed)
-        if not isfinite(mean):
+        total = 0.0
+        for index in claimed:
+            total += commands[index]
+        if not isfinite(total):
             return
         if is_position:
+            # The fingers move as one, so the position is the mean of their commands.
             lower, upper = self._gripper.limits
-            self._hold(min(max(mean, lower), upper))
+            self._hold(min(max(total / len(claimed), lower), upper))
         else:
             # An unclaimed finger adds no force.
-            limit, force = self._gripper.effort_limit, sum(claimed) / len(self.names)
+            limit, force = self._gripper.effort_limit, total / len(self.names)
             self._gripper.press(min(max(force, -limit), limit), is_damped=False)
 
     def find_conflicts(
@@ -164,6 +168,8 @@ class FingerJoints:
         for owner, kind, name in started:
             self.claimed[name] = kind
             self._owners[name] = owner
+        self._claimed = [self.names.index(name) for name in self.claimed]
+        self._is_position = PositionJointInterface.type_name in self.claimed.values()
         self.hand.give_to(next(iter(self._owners.values()), None))
 
     def begin_anew(self) -> None:
