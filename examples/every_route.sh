@@ -273,7 +273,7 @@ curl -H "$AUTH" -o walk.csv "$API/recordings/20261122T091500123-walk/table?chann
 curl -H "$AUTH" $API/recordings/20261122T091500123-walk/events
 curl -H "$AUTH" -H "Content-Type: application/octet-stream" --data-binary @walk.mcap "$API/recordings/upload?name=tuesday"   # 201
 curl -H "$AUTH" -H "$JSON" -X POST $API/recordings/walk/notes -d '{"text": "It slipped.", "time": 3603.5, "until": 3604.25}'   # 409 beyond its times
-curl -H "$AUTH" -H "$JSON" $API/recordings/20261122T091500123-walk/bench -d '{"controller": "pose", "joint": "panda_joint1", "kind": "step"}'   # 409 here
+curl -H "$AUTH" -H "$JSON" $API/recordings/20261122T091500123-walk/bench -d '{"controller": "pose", "joint": "panda_joint1", "kind": "step", "end": 0.001}'   # 409 with less than two cycles
 curl -H "$AUTH" -X DELETE $API/recordings/20261122T091500123-walk
 curl -H "$AUTH" $API/incidents
 curl -H "$AUTH" $API/incidents/20261122T091500123-incident
@@ -282,7 +282,7 @@ curl -H "$AUTH" $API/incidents/20261122T091500123-incident/trajectory
 curl -H "$AUTH" "$API/incidents/20261122T091500123-incident/table?rate=100"
 curl -H "$AUTH" $API/incidents/20261122T091500123-incident/events
 curl -H "$AUTH" -H "$JSON" -X POST $API/incidents/20261122T091500123-incident/notes -d '{"text": "It caught.", "time": 3600.5}'   # 409 beyond its times
-curl -H "$AUTH" -H "$JSON" $API/incidents/20261122T091500123-incident/bench -d '{"controller": "pose", "joint": "panda_joint1", "kind": "step"}'   # 409 here
+curl -H "$AUTH" -H "$JSON" $API/incidents/20261122T091500123-incident/bench -d '{"controller": "pose", "joint": "panda_joint1", "kind": "step", "end": 0.001}'   # 409 with less than two cycles
 
 # Answers
 curl -H "$AUTH" -H "If-None-Match: *" $API/stop                            # 304
