@@ -54,8 +54,9 @@ def plan(request: PlanRequest, services: ServicesDep, access: AccessDep) -> Plan
     """Plan a path without collisions to a target; nothing moves.
 
     The target is a pose of joints, a pose of the end effector, or a named pose. The
-    path keeps 5 mm from everything, respects the limits, and has been rehearsed. If no
-    path is found, the answer has the reason: the bodies that would touch in the pose,
+    path keeps 10 mm from all bodies at its corners and 6 mm in between, unless they are
+    nearer at its beginning; it respects the limits, and has been rehearsed. If no path
+    is found, the answer has the reason: the bodies that would touch in the pose,
     the joint that would leave its range or is at its end, or that time ran out.
 
     For a real Franka arm at rest, a simulated model of the arm is used (`twin`).
