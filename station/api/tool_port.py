@@ -6,6 +6,7 @@ token is a viewer, because such tools ask users only for an address.
 """
 
 import asyncio
+import logging
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -37,6 +38,7 @@ from station.wire.protocol import LEASE_HEADER
 if TYPE_CHECKING:
     from station.api.streams.stream_client import StreamPort
 
+_log = logging.getLogger(__name__)
 SLOW_AFTER = 5.0
 """Time without reading after which a client is closed [s]."""
 
@@ -45,6 +47,19 @@ class ChangeRefusedError(StationError, PermissionError):
     """A client has requested a change that it may not make."""
 
     code = "change_refused"
+
+
+def report_fault(error: Exception) -> str:
+    """Log a fault of the station; return the words for the client that met it.
+
+    Args:
+        error: What was raised although the client's message is in order.
+    """
+    _log.error("a message of a client could not be carried out", exc_info=error)
+    return (
+        f"The station failed unexpectedly: {type(error).__name__}. Its log has the "
+        "traceback; please report it."
+    )
 
 
 class ToolClient:

@@ -386,10 +386,13 @@ def _written(body: BaseModel | Mapping[str, JsonValue]) -> bytes:
     if isinstance(body, BaseModel):
         # Leave defaults to the station: an older client must not fix them.
         return body.model_dump_json(exclude_unset=True).encode()
-    for field, value in _numbers(body):
-        if not math.isfinite(value):
-            raise NotFiniteError(field, value)
-    return json.dumps(dict(body), allow_nan=False).encode()
+    try:
+        return json.dumps(dict(body), allow_nan=False).encode()
+    except ValueError as error:
+        for field, value in _numbers(body):
+            if not math.isfinite(value):
+                raise NotFiniteError(field, value) from error
+        raise
 
 
 def _numbers(value: object, path: str = "") -> Iterator[tuple[str, float]]:

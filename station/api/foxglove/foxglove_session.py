@@ -6,7 +6,6 @@ nothing, and there are no assets and no connection graph.
 
 import asyncio
 import json
-import logging
 import struct
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
@@ -16,6 +15,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from station.api.foxglove.foxglove_changes import SWITCH_SERVICE, FoxgloveChanges
 from station.api.foxglove.live_channels import LiveChannels, LiveMessage
+from station.api.tool_port import report_fault
 from station.core.errors import StationError
 from station.records.cdr import MessageType
 
@@ -32,7 +32,6 @@ _WARNING, _ERROR = 1, 2
 _NO_MESSAGE = (
     ValueError, TypeError, AttributeError, LookupError, RecursionError, struct.error,
 )  # fmt: skip
-_log = logging.getLogger(__name__)
 _In = TypeVar("_In")
 _Out = TypeVar("_Out")
 
@@ -258,11 +257,7 @@ async def _run(function: Callable[[_In], _Out], value: _In) -> _Out:
     except (StationError, ValueError, RecursionError):
         raise
     except Exception as error:
-        _log.exception("a request of a client of Foxglove failed")
-        raise StationFaultError(
-            f"The station failed unexpectedly: {type(error).__name__}. Its log has the "
-            "traceback; please report it."
-        ) from error
+        raise StationFaultError(report_fault(error)) from error
 
 
 def _channel(number: int, topic: str, kind: MessageType) -> dict[str, object]:

@@ -36,7 +36,7 @@ from station.api.rosbridge.ros_types import (
 from station.api.rosbridge.services import RosService
 from station.api.rosbridge.topics import LATCHED, Topic
 from station.api.streams.broadcaster import PORT
-from station.api.tool_port import ToolClient
+from station.api.tool_port import ToolClient, report_fault
 from station.core.errors import StationError
 from station.records.cdr import Values
 
@@ -192,11 +192,7 @@ class RosbridgeSession:
         except RecursionError:
             why = "The message is nested too deeply."
         except Exception as error:  # noqa: BLE001 - a fault of the station, not of the client
-            _log.exception("an operation of a client of rosbridge failed")
-            why = (
-                f"The station failed unexpectedly: {type(error).__name__}. Its log has "
-                "the traceback; please report it."
-            )
+            why = report_fault(error)
         else:
             return
         one = identifier[0]
