@@ -9,7 +9,7 @@ cdef double _INF
 cdef class ControllerUpdate:
     cdef readonly object lifecycle, changes
     cdef readonly CommandGate gate
-    cdef object hw, transaction
+    cdef object hw, is_interrupted, transaction
     cdef public tuple interrupted
     cdef public double update_budget
     cdef readonly long long cycle

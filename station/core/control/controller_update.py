@@ -93,6 +93,7 @@ class ControllerUpdate:
         self.lifecycle = lifecycle
         self.gate = lifecycle.gate
         self.hw = lifecycle.hw
+        self.is_interrupted = lifecycle.hw.is_interrupted
         self.interrupted: tuple[str, ...] = ()
         self.changes = StateChanges()
         self.update_budget = _INF
@@ -137,7 +138,7 @@ class ControllerUpdate:
         try:
             if not stands_still:
                 # Three rare cases; the usual cycle makes only this test.
-                if gate.traced_cycles or self.resets or self.hw.is_interrupted():
+                if gate.traced_cycles or self.resets or self.is_interrupted():
                     self._stop_or_restart(time)
                 last = None
                 # `running` is valid while no controller has started or stopped;
@@ -217,7 +218,7 @@ class ControllerUpdate:
         with self.changes:
             if gate.traced_cycles:
                 gate.restore_commands()
-            if self.hw.is_interrupted():
+            if self.is_interrupted():
                 self._stop_interrupted(time)
             if self.resets:
                 self.resets = False

