@@ -6,7 +6,7 @@ is not 1.
 
 from collections.abc import Callable
 from math import hypot, inf
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, cast
 
 from pydantic import (
     AfterValidator,
@@ -74,6 +74,24 @@ def _within(lower: float, upper: float) -> Callable[[float], float]:
     return check
 
 
+def _update_budget(value: object) -> object:
+    """Return `value` if it is a budget; the error names all that is allowed.
+
+    Without this check there would be one error for each member of the union.
+
+    Raises:
+        PydanticCustomError: It is none.
+    """
+    if value is None or value == "period":
+        return value
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if is_number and 0.0 < cast("float", value) < inf:
+        return value
+    raise PydanticCustomError(
+        "no_budget", "Input should be a number greater than 0, 'period' or null"
+    )
+
+
 class LoopSection(_Section):
     """The control loop.
 
@@ -90,7 +108,9 @@ class LoopSection(_Section):
 
     rate: float = Field(ge=1.0, le=10_000.0)
     real_time_factor: Annotated[float, AfterValidator(_within(SLOWEST, FASTEST))]
-    update_budget: Annotated[float, Field(gt=0.0)] | Literal["period"] | None
+    update_budget: Annotated[
+        float | Literal["period"] | None, BeforeValidator(_update_budget)
+    ]
     controller_modules: list[ModuleName]
     hardware_components_initial_state: dict[
         Literal["unconfigured", "inactive"], list[str]

@@ -1,8 +1,9 @@
 """Validate a merged configuration, and describe its faults in words."""
 
 from collections.abc import Callable
+from typing import Any, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from station.config.models import (
@@ -91,6 +92,9 @@ def _complaint(details: ErrorDetails) -> str:
         return "is missing"
     limits = details.get("ctx", {})
     wanted = _WANTED.get(kind)
+    if kind == "string_too_short":
+        least = limits["min_length"]
+        wanted = f"text of {least} characters or more" if least > 1 else "some text"
     if kind == "string_pattern_mismatch":
         pattern = str(limits["pattern"])
         wanted = _PATTERNS.get(pattern, f"text that matches {pattern}")
@@ -102,10 +106,10 @@ def _complaint(details: ErrorDetails) -> str:
 
 def _siblings(path: tuple[str | int, ...]) -> list[str]:
     """Return the keys that are allowed in the place of an unknown key."""
-    model: type[BaseModel] = StationConfig
+    model: Any = StationConfig
     for part in path[:-1]:
-        if part in model.model_fields:
-            annotation = model.model_fields[str(part)].annotation
-            if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-                model = annotation
+        if get_origin(model) is dict:
+            model = get_args(model)[1]
+        else:
+            model = model.model_fields[str(part)].annotation
     return [n for n, f in model.model_fields.items() if not f.exclude]

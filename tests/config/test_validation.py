@@ -136,6 +136,27 @@ def test_an_impossible_range_of_an_envelope_is_refused(bounds, message):
             "station.real_time_factor is 101.0; it must be 0.01 to 100.",
         ),
         (
+            "station",
+            {**MINIMAL["station"], "update_budget": [0.1]},
+            "<station/update_budget>: station.update_budget is [0.1]; it must be a "
+            "number greater than 0, 'period' or null.",
+        ),
+        (
+            "api",
+            {"host": "h", "port": 0, "token": "short"},
+            "api.token is 'short'; it must be text of 8 characters or more.",
+        ),
+        (
+            "api",
+            {"host": "", "port": 0, "token": None},
+            "api.host is ''; it must be some text.",
+        ),
+        (
+            "cameras",
+            {"cell": {"position": [0, 0, 1], "target": [0, 0, 0], "fow": 1}},
+            "cameras.cell.fow is unknown; allowed are frame, position, target, up, fov",
+        ),
+        (
             "ui",
             {"enabled": 1, "port": 0, "reconnect_window": 0.0},
             "ui.enabled is 1; it must be true or false.",
@@ -164,6 +185,7 @@ def test_problem_is_named(section, value, message):
 def test_every_problem_is_named_at_once():
     values = {
         **MINIMAL,
+        "station": {**MINIMAL["station"], "update_budget": -1.0},
         "ui": {**MINIMAL["ui"], "enabled": 1, "port": -1},
         "start": [3],
     }
@@ -171,7 +193,7 @@ def test_every_problem_is_named_at_once():
     with pytest.raises(ConfigError) as caught:
         validate(values, place)
 
-    assert len(caught.value.problems) == 3
+    assert len(caught.value.problems) == 4
 
 
 def test_long_values_are_shortened():
