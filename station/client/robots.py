@@ -11,7 +11,7 @@ from station import wire
 from station.client.connection import AsyncConnection, ClientPart, segment
 from station.client.errors import ApiError, MotionError
 
-Restart: TypeAlias = Literal["none", "previous"]
+Restart: TypeAlias = Literal["none", "previous"] | list[str]
 
 
 class _Answer(RootModel[JsonValue]):
@@ -56,7 +56,11 @@ class AsyncRobotClient(ClientPart):
         return (await self._get(f"{self._path}/log", wire.ArmLog)).records
 
     async def recover(self, restart: Restart = "none") -> wire.Recovery:
-        """Clear the errors; with `previous` start the stopped controllers again."""
+        """Clear the errors; with `previous` start the stopped controllers again.
+
+        Args:
+            restart: `previous`, or the names of the controllers to start.
+        """
         return await self._send(
             "POST",
             f"{self._path}/error_recovery",

@@ -3,7 +3,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import AliasChoices, Field
+from pydantic import AliasChoices, BeforeValidator, Field
 
 from station.reports import ArmRecord
 from station.wire.base import (
@@ -128,18 +128,34 @@ class Arms(ResponseModel):
     robots: Items[ArmReport]
 
 
+def _restart(value: object) -> object:
+    """Return `value` if it can say what to start.
+
+    Without this check there would be one error for each member of the union.
+
+    Raises:
+        ValueError: It cannot.
+    """
+    if isinstance(value, list | tuple) or value in ("none", "previous"):
+        return value
+    raise ValueError("must be 'none', 'previous' or a list of names of controllers")
+
+
 class RecoveryRequest(RequestModel):
     """Way to recover from an error.
 
     Attributes:
-        restart: `previous` starts the controllers again that the error stopped; with
-            `none` they stay stopped and nothing moves by itself.
+        restart: `previous` starts the controllers again that the error stopped, and a
+            list those that it names; with `none` nothing moves by itself.
 
     Example:
         {"restart": "previous"}
     """
 
-    restart: Literal["none", "previous"] = "none"
+    restart: Annotated[
+        Literal["none", "previous"] | Annotated[list[str], Field(max_length=64)],
+        BeforeValidator(_restart),
+    ] = "none"
 
 
 class Recovery(ArmReport):

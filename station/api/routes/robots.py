@@ -36,7 +36,12 @@ def list_robots(station: StationDep) -> wire.Arms:
     return wire.Arms(robots=answers.arms(station))
 
 
-@router.post("/error_recovery", **change(409, 413, 422, 423, 503, 504))
+def _restart(request: wire.RecoveryRequest | None) -> bool | list[str]:
+    asked = "none" if request is None else request.restart
+    return asked if isinstance(asked, list) else asked == "previous"
+
+
+@router.post("/error_recovery", **change(404, 409, 413, 422, 423, 503, 504))
 def recover_all(
     station: StationDep, request: wire.RecoveryRequest | None = None
 ) -> wire.Recoveries:
@@ -44,8 +49,7 @@ def recover_all(
 
     Nothing happens if no arm has an error.
     """
-    restart = request is not None and request.restart == "previous"
-    restarted = station.robots.recover_all(restart=restart)
+    restarted = station.robots.recover_all(restart=_restart(request))
     return wire.Recoveries.model_validate({
         "robots": answers.arms(station),
         "restarted": restarted,
@@ -149,8 +153,7 @@ def error_recovery(
 
     All earlier commands and goals become void. Nothing happens without an error.
     """
-    restart = request is not None and request.restart == "previous"
-    restarted = station.robots.recover(arm_id, restart=restart)
+    restarted = station.robots.recover(arm_id, restart=_restart(request))
     report = _report(Arms(station.robots), arm_id)
     return wire.Recovery(**dict(report), restarted=list(restarted))
 

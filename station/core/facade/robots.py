@@ -164,7 +164,9 @@ class Robots:
         """Forget the controllers that an error has stopped: no recovery starts them."""
         self._manager.controller_update.interrupted = ()
 
-    def recover(self, name: str, *, restart: bool = False) -> tuple[str, ...]:
+    def recover(
+        self, name: str, *, restart: bool | Sequence[str] = False
+    ) -> tuple[str, ...]:
         """Clear a robot's errors; every earlier command is void.
 
         Without an error nothing happens. Returns when the robot is at rest, or at once
@@ -173,13 +175,15 @@ class Robots:
         Args:
             name: The robot.
             restart: Whether to start the controllers again that the interruption has
-                stopped, with a first update whose period is zero.
+                stopped, or the names of the controllers to start; with a first update
+                whose period is zero.
 
         Returns:
             Names of the controllers that were started again.
 
         Raises:
             ArmNotFoundError: There is no such robot.
+            ControllerNotFoundError: No controller of a name in `restart` is loaded.
             ArmCommandError: The robot cannot recover now.
             StoppedError: The station is stopped and controllers were to be started.
             SwitchRefusedError: The controllers cannot be started; the robot recovered.
@@ -188,7 +192,7 @@ class Robots:
         robot = self.get(name, kind)
         return self._recover([] if robot is None else [robot], restart=restart)
 
-    def recover_all(self, *, restart: bool = False) -> tuple[str, ...]:
+    def recover_all(self, *, restart: bool | Sequence[str] = False) -> tuple[str, ...]:
         """Clear the errors of all robots, or of none if one of them cannot recover.
 
         Args:
@@ -198,6 +202,7 @@ class Robots:
             Names of the controllers that were started again.
 
         Raises:
+            ControllerNotFoundError: No controller of a name in `restart` is loaded.
             ArmCommandError: A robot cannot recover now.
             StoppedError: The station is stopped and controllers were to be started.
             SwitchRefusedError: The controllers cannot be started; the robots recovered.
@@ -205,8 +210,11 @@ class Robots:
         return self._recover(self._recoverable(), restart=restart)
 
     def _recover(
-        self, robots: Sequence[RecoverableRobot], *, restart: bool
+        self, robots: Sequence[RecoverableRobot], *, restart: bool | Sequence[str]
     ) -> tuple[str, ...]:
+        named = () if isinstance(restart, bool) else tuple(restart)
+        for name in named:
+            self._manager.get_controller(name)
         if restart:
             self._loop.stop_latch.check()
 
@@ -226,17 +234,21 @@ class Robots:
             return ()
         for robot in robots:
             self.wait_until_recovered(robot)
-        names = self._manager.controller_update.interrupted if restart else ()
-        if names:
-            receipt = Receipt(lambda: self._loop.cycle)
-            request = SwitchRequest(names, (), zero_period=True, receipt=receipt)
-            self._inputs.note_command(
-                "switch", receipt, start=names, stop=(), zero_period=True
-            )
-            names = self._manager.switch_controller(request).started
+        interrupted = self._manager.controller_update.interrupted if restart else ()
+        started = self._start_again(named or interrupted)
         if restart or all(one.remedy() is None for one in self._recoverable()):
             self._manager.controller_update.interrupted = ()
-        return names
+        return started
+
+    def _start_again(self, names: tuple[str, ...]) -> tuple[str, ...]:
+        if not names:
+            return ()
+        receipt = Receipt(lambda: self._loop.cycle)
+        request = SwitchRequest(names, (), zero_period=True, receipt=receipt)
+        self._inputs.note_command(
+            "switch", receipt, start=names, stop=(), zero_period=True
+        )
+        return self._manager.switch_controller(request).started
 
     def wait_until_recovered(self, robot: RecoverableRobot) -> None:
         """Wait until a recovery has ended; return at once while time is paused.

@@ -103,6 +103,36 @@ def test_collision_shows_in_the_status_and_is_recovered_from(client, panda, stat
     assert panda.errors().remedy == ""
 
 
+@pytest.mark.parametrize("recover", ["recover", "recover_all"])
+def test_a_recovery_starts_the_controllers_that_it_names(
+    client, panda, station, recover
+):
+    kind = "position_controllers/JointGroupPositionController"
+    client.load_controller("other", kind, {"joints": JOINTS})
+    client.switch_controllers(start=["arm"])
+    panda.inject(Fault(kind="collision", cycles=30))
+    station.loop.step(200)
+    act = getattr(panda if recover == "recover" else client, recover)
+
+    with pytest.raises(ApiError, match="'nobody'") as caught:
+        act(["other", "nobody"])
+    assert (caught.value.status, panda.errors().robot_mode) == (404, "reflex")
+    assert act(["other"]).restarted == ["other"]
+    assert client.controller("arm").state == "stopped"
+    assert client.controller("other").state == "running"
+
+
+@pytest.mark.parametrize("restart", ["all", 1, None, {"arm": True}])
+def test_a_recovery_without_sense_is_refused(operator, restart):
+    path = "/api/v1/robots/panda/error_recovery"
+    answer = operator.post(path, json={"restart": restart})
+
+    problem = answer.json()
+    assert answer.status_code == 422
+    assert [one["field"] for one in problem["errors"]] == ["body/restart"]
+    assert "'none', 'previous' or a list of names" in problem["detail"]
+
+
 def test_torques_and_a_motion_of_two_controllers_share_the_arm(client, panda, station):
     kinds = {
         "torques": ("effort_controllers/JointGroupEffortController", "joints", JOINTS),
