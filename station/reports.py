@@ -202,6 +202,17 @@ class LoopReport(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class LoopStatistics(LoopReport):
+    """The report of the control loop, and the share of each controller.
+
+    Attributes:
+        controllers: Time in the updates of each loaded controller, by name [s].
+    """
+
+    controllers: Mapping[str, Percentiles]
+
+
+@dataclass(frozen=True, slots=True)
 class Simulation(Report):
     """The time of a simulated robot.
 

@@ -178,7 +178,7 @@ class StationRun:
             stack.callback(_hold, station)
             # The start of the server holds the interpreter, so earlier statistics are
             # not those of the loop.
-            station.loop.reset_statistics()
+            station.reset_statistics()
             stack.callback(self._watchdog.expect_end)
             self._watchdog.guard(station)
             self._watch(station, announcement, signals)

@@ -385,13 +385,13 @@ class AsyncStationClient(AsyncControllersClient):
         path = f"/scene/{segment(name)}/detach"
         return await self._connection.send("POST", path, wire.SceneObject, request)
 
-    async def loop(self) -> wire.LoopReport:
+    async def loop(self) -> wire.LoopStatistics:
         """Return state and statistics of the control loop."""
-        return await self._get("/loop", wire.LoopReport)
+        return await self._get("/loop", wire.LoopStatistics)
 
-    async def reset_loop_statistics(self) -> wire.LoopReport:
-        """Reset the loop's statistics."""
-        return await self._send("POST", "/loop/statistics/reset", wire.LoopReport)
+    async def reset_loop_statistics(self) -> wire.LoopStatistics:
+        """Reset the statistics of the loop and of the controllers."""
+        return await self._send("POST", "/loop/statistics/reset", wire.LoopStatistics)
 
     async def stop_state(self) -> wire.StopState:
         """Return the state of the latched stop."""

@@ -21,6 +21,7 @@ from station.reports import (
     HardwareResource as HardwareResource,
     HardwareTransmission as HardwareTransmission,
     LoopReport as LoopReport,
+    LoopStatistics as LoopStatistics,
     Percentiles as Percentiles,
     Plan as Plan,
     Playback as Playback,

@@ -11,7 +11,7 @@ from station.api import answers
 from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.routes.routing import problems
-from station.reports import LoopReport
+from station.reports import LoopStatistics
 from station.wire import Hardware, Health, JointStates, Ready, Recording, Status
 
 router = APIRouter()
@@ -89,9 +89,9 @@ def hardware(station: StationDep) -> Hardware:
 
 
 @router.get("/loop", tags=["loop"], dependencies=[Viewer], responses=problems())
-def loop(station: StationDep) -> LoopReport:
-    """Return rate, lateness, skipped cycles and duration of each phase of the loop."""
-    return station.loop.report()
+def loop(station: StationDep) -> LoopStatistics:
+    """Return rate, lateness, skipped cycles, and time per phase and per controller."""
+    return station.loop_statistics()
 
 
 @router.post(
@@ -100,7 +100,7 @@ def loop(station: StationDep) -> LoopReport:
     dependencies=[Viewer, Operator],
     responses=problems(503),
 )
-def reset_statistics(station: StationDep) -> LoopReport:
-    """Reset the statistics of the loop."""
-    station.loop.reset_statistics()
-    return station.loop.report()
+def reset_statistics(station: StationDep) -> LoopStatistics:
+    """Reset the statistics of the loop and of the controllers."""
+    station.reset_statistics()
+    return station.loop_statistics()

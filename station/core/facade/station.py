@@ -8,7 +8,7 @@ import threading
 import uuid
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from station.compiled import CompilationStatus, present_status
 from station.core.control.controller import ControllerSample, ControllerState
@@ -45,6 +45,7 @@ from station.reports import (
     HardwareTransmission,
     LoopReport,
     LoopState,
+    LoopStatistics,
     Simulation,
 )
 
@@ -308,6 +309,26 @@ class Station:
         if age > FRESH:
             return f"The last cycle is {age:.2f} s old; the loop hangs."
         return self.watchdog_failure
+
+    def loop_statistics(self) -> LoopStatistics:
+        """Return the loop's report with the times of each controller. Any thread."""
+        report = self.loop.report()
+        values = {each.name: getattr(report, each.name) for each in fields(report)}
+        times = {status.name: status.time for status in self.controllers()}
+        return LoopStatistics(**values, controllers=times)
+
+    def reset_statistics(self) -> None:
+        """Start the statistics of the loop and of all controllers anew.
+
+        Raises:
+            LoopError: The loop died or hangs.
+        """
+
+        def reset() -> None:
+            self.loop.begin_statistics()
+            self.manager.reset_statistics()
+
+        self.loop.run_in_cycle(reset)
 
     def controllers(self) -> list[ControllerStatus]:
         """Return all loaded controllers in the order of loading."""

@@ -261,6 +261,7 @@ def _die(station):
         lambda station: station.switch_controllers(SwitchRequest(start=("spring",))),
         lambda station: station.switch_controllers(SwitchRequest(stop=("spring",))),
         lambda station: station.loop.reset_statistics(),
+        lambda station: station.reset_statistics(),
     ],
 )
 def test_a_dead_loop_refuses_everything_that_needs_it_and_says_why(running, ask):
