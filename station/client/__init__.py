@@ -12,11 +12,25 @@ with StationClient() as station:  # the one on this machine
 """
 
 from station.client.blocking import (
+    AgentsClient as AgentsClient,
+    AlarmsClient as AlarmsClient,
+    BenchRunsClient as BenchRunsClient,
+    CamerasClient as CamerasClient,
+    ExperimentsClient as ExperimentsClient,
+    GainSetsClient as GainSetsClient,
     GoalHandle as GoalHandle,
     GripperClient as GripperClient,
+    IncidentsClient as IncidentsClient,
+    LeaseClient as LeaseClient,
+    LessonsClient as LessonsClient,
+    PlotLayoutsClient as PlotLayoutsClient,
+    RecordingsClient as RecordingsClient,
     RobotClient as RobotClient,
+    ScenesClient as ScenesClient,
     SimulationClient as SimulationClient,
     StationClient as StationClient,
+    TokensClient as TokensClient,
+    WaypointPathsClient as WaypointPathsClient,
 )
 from station.client.blocking_streams import Stream as Stream
 from station.client.controllers import AsyncGoalHandle as AsyncGoalHandle

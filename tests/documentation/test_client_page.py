@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from station import client
 from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.api.server import ApiServer
@@ -33,11 +34,17 @@ def test_reference_is_that_of_the_docstrings(client_page):
 
 def test_reference_has_every_part_of_the_client():
     """No reader looks for `client.recordings` in the source."""
-    client = StationClient("http://nowhere", "token")
-    for name, part in vars(client).items():
+    nowhere = StationClient("http://nowhere", "token")
+    for name, part in vars(nowhere).items():
         if not name.startswith("_"):
             section = PAGE.partition(f"- **{type(part).__name__}**:")[2]
             assert f"`client.{name}`" in section.partition("\n")[0]
+
+
+def test_every_class_of_the_reference_can_be_looked_up(client_page):
+    """The page says `python -m pydoc station.client.CLASS`."""
+    for kind in client_page["CLASSES"]:
+        assert getattr(client, kind.__name__, None) is kind
 
 
 @pytest.mark.slow
