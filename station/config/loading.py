@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
+from os import environ
 from pathlib import Path
 
 import yaml
@@ -42,20 +43,32 @@ class _Environment(BaseSettings):
 
     station: _Section = Field(default_factory=dict)
     robot: _Section = Field(default_factory=dict)
+    scene: _Section = Field(default_factory=dict)
     controllers: _Section = Field(default_factory=dict)
     start: list[str] | None = None
     api: _Section = Field(default_factory=dict)
     ui: _Section = Field(default_factory=dict)
+    watchdog: _Section = Field(default_factory=dict)
     records: _Section = Field(default_factory=dict)
     foxglove: _Section = Field(default_factory=dict)
+    rosbridge: _Section = Field(default_factory=dict)
+    agents: _Section = Field(default_factory=dict)
+    fci: _Section = Field(default_factory=dict)
+    rehearsal: _Section = Field(default_factory=dict)
+    cameras: _Section = Field(default_factory=dict)
+    arguments: _Section = Field(default_factory=dict)
 
 
 def read_environment() -> Iterator[tuple[KeyPath, object, str]]:
     """Yield each setting of the environment: its path, its value, its variable.
 
     Raises:
-        ConfigError: A variable for a list or mapping is not JSON.
+        ConfigError: A variable for a list or mapping is not JSON, or the section that
+            a variable names does not exist.
     """
+    unknown = list(_unknown_sections())
+    if unknown:
+        raise ConfigError(unknown, remedy="Correct the names of the variables.")
     try:
         settings = _Environment().model_dump(exclude_unset=True)
     except (SettingsError, ValueError) as error:
@@ -64,6 +77,18 @@ def read_environment() -> Iterator[tuple[KeyPath, object, str]]:
             remedy=f"Write lists and mappings as JSON: {_PREFIX}START='[\"arm\"]'.",
         ) from error
     yield from _leaves(settings, ())
+
+
+def _unknown_sections() -> Iterator[str]:
+    known = _Environment.model_fields
+    for variable in environ:
+        section, between, _ = variable.removeprefix(_PREFIX).lower().partition(_BETWEEN)
+        # Variables without `__`, such as STATION_TOKEN, belong to other programs.
+        if variable.startswith(_PREFIX) and between and section not in known:
+            yield (
+                f"environment variable {variable}: {section} is unknown; allowed are "
+                f"{', '.join(known)}."
+            )
 
 
 def _leaves(
@@ -82,8 +107,8 @@ def _leaves(
 
 DEFAULT_FILE = Path(__file__).with_name("default.yaml")
 _MERGED_SECTIONS = (
-    "station", "robot", "api", "ui", "watchdog", "records", "foxglove", "rosbridge",
-    "rehearsal", "arguments",
+    "station", "robot", "scene", "api", "ui", "watchdog", "records", "foxglove",
+    "rosbridge", "agents", "fci", "rehearsal", "arguments",
 )  # fmt: skip
 _INNER_SECTIONS = {n for n, f in StationConfig.model_fields.items() if f.exclude}
 _SECTIONS = [n for n, f in StationConfig.model_fields.items() if not f.exclude]

@@ -3,9 +3,12 @@
 Environment variables name keys of the configuration.
 """
 
+import json
+
 import pytest
 
 from station.config.loading import load_config, read_environment
+from station.config.models import StationConfig
 from station.core.errors import ConfigError
 
 
@@ -218,6 +221,8 @@ def test_other_names_of_robots_stay_as_they_are(write, reference):
         ("STATION_ROBOT__ARM_ID", "left", ("robot", "arm_id"), "left"),
         ("STATION_UI__ENABLED", "false", ("ui", "enabled"), False),
         ("STATION_START", '["arm"]', ("start",), ["arm"]),
+        ("STATION_WATCHDOG__END_AFTER", "null", ("watchdog", "end_after"), None),
+        ("STATION_ROSBRIDGE__ENABLED", "true", ("rosbridge", "enabled"), True),
         ("STATION_ROBOT__BASE_XYZ", "[1.0, 0, 0]", ("robot", "base_xyz"), [1.0, 0, 0]),
         (
             "STATION_CONTROLLERS__ARM__TYPE",
@@ -238,6 +243,37 @@ def test_other_variables_are_not_ours(monkeypatch):
     monkeypatch.setenv("STATION_URL", "http://robot:8000")
 
     assert list(read_environment()) == []
+
+
+def test_variables_set_keys_of_every_section(monkeypatch):
+    sections = {n for n, f in StationConfig.model_fields.items() if not f.exclude}
+    for section in sections - {"start"}:
+        monkeypatch.setenv(f"STATION_{section.upper()}__KEY", "1")
+
+    found = {path[0] for path, _, _ in read_environment()}
+    assert found == sections - {"start"}
+
+
+def test_variable_of_an_unknown_section_is_refused(monkeypatch):
+    monkeypatch.setenv("STATION_APPI__PORT", "8001")
+
+    with pytest.raises(ConfigError, match="STATION_APPI__PORT: appi is unknown; all"):
+        list(read_environment())
+
+
+@pytest.mark.parametrize(
+    ("section", "changed", "kept"),
+    [
+        ("fci", {"enabled": True}, {"host": "127.0.0.1"}),
+        ("scene", {"arm_margin": 0.02}, {"objects": []}),
+        ("agents", {"wait": 30.0}, {"approval": "always"}),
+    ],
+)
+def test_section_is_combined_with_the_default_key_by_key(write, section, changed, kept):
+    file = write(json.dumps({section: changed}))
+
+    found = getattr(load_config(file), section).model_dump()
+    assert {**found, **changed, **kept} == found
 
 
 def test_list_that_is_no_json_is_refused(monkeypatch):
