@@ -301,7 +301,7 @@ def validation_response(error: RequestValidationError) -> Response:
         {
             "field": "/".join(str(part) for part in item["loc"]),
             "message": explain(item["type"], item.get("ctx", {})),
-            "value": _shown(item.get("input")),
+            "value": "" if item["type"] == "missing" else _shown(item.get("input")),
         }
         for item in found[:MAX_ERRORS]
     ]
@@ -327,6 +327,8 @@ def validation_response(error: RequestValidationError) -> Response:
 
 
 def _shown(value: object) -> str:
+    if value is None:
+        return "null"
     if isinstance(value, (str, int, float)):
         text = repr(value) if not isinstance(value, int) else _digits(value)
         return text if len(text) <= 80 else text[:77] + "..."

@@ -171,6 +171,28 @@ def test_a_validation_problem_names_field_and_value(operator):
     assert "'abc'" in problem["detail"]
 
 
+@pytest.mark.parametrize(
+    ("body", "detail"),
+    [
+        (
+            {"timeout": None, "start": ["arm"]},
+            "timeout: must be a number (it is null).",
+        ),
+        ({"start": None}, "start: must be a list (it is null)."),
+    ],
+)
+def test_null_is_a_value_that_a_problem_names(operator, body, detail):
+    answer = operator.post("/api/v1/controllers/switch", json=body)
+
+    assert detail in answer.json()["detail"]
+
+
+def test_a_field_that_is_missing_has_no_value(operator):
+    problem = operator.put("/api/v1/controllers/spring/command", json={}).json()
+
+    assert problem["detail"].endswith("is missing.")
+
+
 def test_the_route_that_helps_follows_the_remedy():
     error = errors.StoppedError("The station is stopped.", remedy="Release the stop.")
 
