@@ -53,6 +53,8 @@ class ControllerLifecycle:
         self.loaded: tuple[LoadedController, ...] = ()
         self.start_gate: Callable[[], None] | None = None
         self.promised: Callable[[], Sequence[LoadedController]] = tuple
+        # Names of the failed controllers that a fallback stands in for, by its name.
+        self._stands_for: dict[str, tuple[str, ...]] = {}
 
     @property
     def has_chains(self) -> bool:
@@ -105,6 +107,7 @@ class ControllerLifecycle:
             jump: Receives the jump of the commands, by resource.
         """
         controller = one.controller
+        self._stands_for.pop(one.info.name, None)
         if controller.state is ControllerState.CONSTRUCTED:
             return "it was never initialised"
         missing = one.missing_following()
@@ -382,7 +385,12 @@ class ControllerLifecycle:
         return problem
 
     def fall_back(self, failed: LoadedController, time: float) -> None:
-        """Start the fallback of `failed` in this cycle; without it the joints rest."""
+        """Start the fallback of `failed` in this cycle; without it the joints rest.
+
+        A controller is not started as the fallback of a controller that stands in for
+        it. Differs: ros2_control starts it again, so that two controllers that name
+        each other and both fail take turns on the robot in every cycle.
+        """
         replacements = self._replacements(failed)
         if not replacements:
             return
@@ -423,8 +431,15 @@ class ControllerLifecycle:
             reason = printable(error.message)
         except CONTAINED as error:  # shown with the fault
             reason = describe(error)
+        stood_for = self._stands_for.get(failed.info.name, ())
+        again = next((one for one in start if one.info.name in stood_for), None)
         if len(wanted) < len(failed.fallback):
             reason = "not all of it is loaded"
+        elif again is not None:
+            reason = (
+                f"'{failed.info.name}' stands in for '{again.info.name}', which has "
+                "failed; only a switch starts it again"
+            )
         elif any(one in promised for one in start):
             reason = "a switch is about to start it"
         if reason is not None:
@@ -440,6 +455,8 @@ class ControllerLifecycle:
             return
         problem = self.start_at_once(one, time, (failed.info,))
         one.ownership.release()
+        earlier = self._stands_for.get(failed.info.name, ())
+        self._stands_for[one.info.name] = (*earlier, failed.info.name)
         if problem is not None:
             failed.add_fault(f"fallback '{one.info.name}' did not start: {problem}")
 

@@ -352,6 +352,40 @@ def test_a_fallback_that_fails_leaves_the_joint_at_rest(bench):
     assert "did not start" in bench.fault("bad")
 
 
+def fail_in_turn(bench, *names):
+    """Load controllers that fail; each has the next one as its fallback."""
+    for name, fallback in zip(names, (*names[1:], names[0]), strict=True):
+        one = bench.load(name, "j1", fallback=[fallback])
+        one.actions["update"] = lambda one=one: (one.command(3.0), fail())
+    bench.switch([names[0]])
+
+
+@pytest.mark.parametrize("names", [("a", "b"), ("b", "a"), ("a", "b", "c")])
+def test_fallbacks_that_all_fail_do_not_take_turns(bench, names):
+    fail_in_turn(bench, *names)
+
+    bench.step(10)
+
+    starts = [start for start, _ in bench.robot.switches if start]
+    assert starts == [(name,) for name in names]
+    assert [bench.state(name) for name in names] == ["aborted"] * len(names)
+    assert bench.robot.joints.effort_command[0] == 0.0
+    last, first = names[-1], names[0]
+    assert f"'{last}' stands in for '{first}', which has failed" in bench.fault(last)
+
+
+def test_a_switch_lets_a_failed_controller_be_a_fallback_again(bench):
+    fail_in_turn(bench, "a", "b")
+    bench.step(10)
+
+    bench.switch(["b"])
+    bench.step(1)
+
+    assert bench.state("b") == "aborted"
+    assert bench.state("a") == "running"
+    assert "stands in" not in bench.fault("b")
+
+
 def test_an_unknown_fallback_is_said_and_does_no_harm(bench):
     bench.load("bad", "j1", fallback=["nobody"]).actions["update"] = fail
     bench.switch(["bad"])
