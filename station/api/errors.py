@@ -24,7 +24,6 @@ from station.api.named_tokens import (
     TokenNotFoundError,
     TokensNotKeptError,
 )
-from station.api.validation_words import explain, explain_json
 from station.core import errors
 from station.events import AlarmNotFoundError
 from station.rehearsal.rehearsals import AgentEnvelopeError, TooManyRehearsalsError
@@ -39,6 +38,7 @@ from station.trials.errors import (
     UnknownParameterError,
 )
 from station.wire import PROBLEM_MEDIA_TYPE
+from station.wire.validation_words import explain, explain_json
 
 MAX_ERRORS = 20
 PROBLEM_CODE = "problem_code"

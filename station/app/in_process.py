@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Self
 
 from pydantic import ValidationError
 
-from station.api.validation_words import explain
 from station.app.composition import compose
 from station.app.panda_fetch import fetch_what_is_missing
 from station.app.recording_start import describe
@@ -33,6 +32,7 @@ from station.rehearsal.rehearsals import Rehearsals
 from station.reports import Rehearsal
 from station.wire import StreamFrame
 from station.wire.rehearsal import RehearsalRequest
+from station.wire.validation_words import explain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -1,10 +1,11 @@
 """Errors of the command line, and reports of errors of all kinds."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
-from station.core.errors import StationError
+from station.core.errors import StationError, show
 from station.core.installation import missing_extra
 
 
@@ -42,8 +43,15 @@ class Failure:
         return {**data, "errors": list(self.errors)} if self.errors else data
 
 
-def failure_of(error: Exception) -> Failure | None:
-    """Return the report of an expected error; None for a defect of the program."""
+def failure_of(
+    error: Exception, typed: Mapping[str, str] = MappingProxyType({})
+) -> Failure | None:
+    """Return the report of an expected error; None for a defect of the program.
+
+    Args:
+        error: The error.
+        typed: What a user types for a field of a request, by the field's name.
+    """
     if isinstance(error, StationError):
         return Failure(
             error.code, error.message, error.remedy, isinstance(error, UsageError)
@@ -54,9 +62,9 @@ def failure_of(error: Exception) -> Failure | None:
     # importing these packages takes longer than most verbs.
     names = {kind.__name__ for kind in type(error).__mro__}
     if "ApiError" in names:
-        return _failure_of_api(error)
+        return _failure_of_api(error, typed)
     if "ValidationError" in names:
-        return _failure_of_validation(error)
+        return _failure_of_validation(error, typed)
     return None
 
 
@@ -66,29 +74,103 @@ def _failure_of_missing(error: ModuleNotFoundError) -> Failure | None:
     return None if missing is None else failure_of(missing)
 
 
-def _failure_of_api(error: Any) -> Failure:  # noqa: ANN401 - station.client.ApiError
+def _failure_of_api(error: Any, typed: Mapping[str, str]) -> Failure:  # noqa: ANN401 - station.client.ApiError
     errors = [e.model_dump() for e in error.errors]
-    detail = "\n  ".join([error.detail, *(_line(e) for e in errors)])
+    lines = [_line(e, typed) for e in errors]
+    if error.code == "invalid_request" and lines:
+        # The station's words name the first of these fields as a request has it.
+        return Failure(
+            error.code, f"{'; '.join(lines)}.", _NOTHING_CHANGED, errors=errors
+        )
+    told = [
+        line
+        for each, line in zip(errors, lines, strict=True)
+        if each["message"] not in error.detail
+    ]
+    detail = "\n  ".join([error.detail, *told])
     return Failure(error.code, detail, error.remedy, errors=errors)
 
 
-def _line(error: dict[str, object]) -> str:
-    return ": ".join(str(value) for value in error.values() if value)
+def _line(error: dict[str, str], typed: Mapping[str, str]) -> str:
+    name = typed_name(error["field"].split("/"), typed)
+    value = f" (it is {error['value']})" if error["value"] else ""
+    return f"{name}: {error['message']}{value}"
 
 
-def _failure_of_validation(error: Any) -> Failure:  # noqa: ANN401 - pydantic's
-    found = error.errors(include_url=False, include_context=False)
-    lines = [
-        f"{'.'.join(str(part) for part in e['loc'])} is {e['input']!r}: {e['msg']}"
-        for e in found
-    ]
-    detail = "; ".join(lines) + "."
-    if not error.title.endswith(("Request", "Patch")):
+def typed_name(field: Sequence[str | int], typed: Mapping[str, str]) -> str:
+    """Return a field of a request as the user typed it.
+
+    Args:
+        field: Path of the field in the request.
+        typed: What a user types for a field, by the field's name.
+    """
+    parts = [str(part) for part in field]
+    if len(parts) > 1 and parts[0] in _PARTS_OF_REQUESTS:
+        del parts[0]
+    word = typed.get(parts[0])
+    rest = [part for part in parts[1:] if part not in _JSON_TYPES]
+    if word is None:
+        is_item = len(rest) == 1 and rest[0].isdecimal()
+        return parts[0] if is_item else "/".join([parts[0], *rest])
+    if "=" in word and rest:  # KEY=VALUE
+        return "/".join(rest)
+    if rest and rest[0].isdecimal() and not word.startswith("-"):
+        return f"{word} number {int(rest[0]) + 1}"
+    return "/".join([word, *(part for part in rest if not part.isdecimal())])
+
+
+def explain_fields(
+    error: Any,  # noqa: ANN401 - pydantic's
+    typed: Mapping[str, str],
+    kind: str | None = None,
+) -> list[str]:
+    """Return for each wrong field of a request its name, value and what is allowed.
+
+    Args:
+        error: The `ValidationError` of pydantic.
+        typed: What a user types for a field, by the field's name.
+        kind: The chosen one of several kinds of the request, which a path begins with.
+    """
+    from station.wire.validation_words import explain
+
+    lines: dict[str, str] = {}
+    for each in error.errors(include_url=False):
+        place = each["loc"][1:] if each["loc"][:1] == (kind,) else each["loc"]
+        name = typed_name(place or ("the request",), typed)
+        line = f"{name}: {explain(each['type'], each.get('ctx', {}))}"
+        value = each["input"]
+        if each["type"] != "missing" and not isinstance(value, Mapping):
+            line = f"{line} (it is {show(value)})"
+        # A value of several possible types has an error for each type.
+        lines.setdefault(name, line)
+    return list(lines.values())
+
+
+def _failure_of_validation(error: Any, typed: Mapping[str, str]) -> Failure:  # noqa: ANN401 - pydantic's
+    lines = explain_fields(error, typed)
+    detail = f"{'; '.join(lines)}."
+    if not _is_request(error.title):
         return Failure(
             "unexpected_answer",
             f"The station's answer is not understood ({error.title}): {detail}",
             "Use the command line of the station's own version.",
             errors=lines,
         )
-    remedy = "Nothing was sent. Correct the value and try again."
-    return Failure("invalid_request", detail, remedy, errors=lines)
+    return Failure("invalid_request", detail, _NOTHING_SENT, errors=lines)
+
+
+def _is_request(title: str) -> bool:
+    """Return whether a request, or a part of one, has the model of that name."""
+    from station.wire import RequestModel
+
+    kinds: list[type] = [RequestModel]
+    for kind in kinds:
+        kinds += kind.__subclasses__()
+    return title in {kind.__name__ for kind in kinds}
+
+
+_PARTS_OF_REQUESTS = frozenset({"body", "query", "path", "header"})
+_JSON_TYPES = frozenset({"dict", "list", "float", "int", "str", "bool", "nullable"})
+"""Names that pydantic adds to the path of a value that may have several types."""
+_NOTHING_SENT = "Nothing was sent. Correct the value and try again."
+_NOTHING_CHANGED = "Nothing changed. Correct the value and try again."

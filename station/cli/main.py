@@ -46,7 +46,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except Exception as error:
-        failure = failure_of(error)
+        failure = failure_of(error, options.typed)
         if failure is None:
             raise
         report(failure, as_json=options.json)

@@ -3,6 +3,7 @@
 import argparse
 import importlib
 from collections.abc import Sequence
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,24 @@ ROBOT = "example-robot-data:NAME or a URDF"
 
 
 class Parser(argparse.ArgumentParser):
-    """An `ArgumentParser` that suggests a name for an unknown verb or choice."""
+    """An `ArgumentParser` that suggests a name for an unknown verb or choice.
+
+    Attributes:
+        typed: What a user types for each argument, by its `dest`: the long option, or
+            the word in the usage. An argument for a field of a request has the name of
+            the field as its `dest`.
+    """
+
+    def __init__(self, **settings: Any) -> None:  # noqa: ANN401 - those of argparse
+        self.typed: dict[str, str] = {}
+        super().__init__(**settings)
+
+    @override
+    def add_argument(self, *names: str, **settings: Any) -> argparse.Action:
+        action = super().add_argument(*names, **settings)
+        word = action.metavar if isinstance(action.metavar, str) else action.dest
+        self.typed[action.dest] = max(action.option_strings, key=len, default=word)
+        return action
 
     @override
     def _check_value(self, action: argparse.Action, value: Any) -> None:
@@ -82,6 +100,25 @@ def _fill(parser: Parser, verb: Verb) -> None:
     add = getattr(module, f"add_{verb.name}", None)
     if add is not None:
         add(parser)
+    parser.set_defaults(typed=parser.typed)
+
+
+def read_duration(text: str) -> float:
+    """Return a duration [s].
+
+    Raises:
+        ArgumentTypeError: The text is not a finite number, or it is negative.
+    """
+    try:
+        duration = float(text)
+    except ValueError:
+        duration = -1.0
+    if not 0.0 <= duration < inf:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a duration; it must be a finite number of seconds, not "
+            "negative."
+        )
+    return duration
 
 
 def read_number(word: str, example: str = "load=1.5") -> tuple[str, float]:

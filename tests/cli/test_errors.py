@@ -16,7 +16,16 @@ from station.client import (
 )
 from station.core.installation import install_command
 from station.local.station_locator import NoStationError
-from station.wire import CommandRequest, FieldError, StopState
+from station.wire import (
+    CommandRequest,
+    FieldError,
+    GoalRequest,
+    LoadRequest,
+    ResetRequest,
+    SceneObjectRequest,
+    StopState,
+)
+from station.wire.robots import GraspEpsilon
 
 ROOT = Path(__file__).parents[2]
 
@@ -71,10 +80,73 @@ def test_what_cannot_be_sent_is_told():
     with pytest.raises(ValidationError) as caught:
         CommandRequest(command=[0.0, float("nan")])
 
-    failure = failure_of(caught.value)
+    failure = failure_of(caught.value, {"command": "V"})
 
-    assert "command.1 is nan" in failure.detail
+    assert failure.detail == "V number 2: must be a finite number (it is nan)."
     assert "Nothing was sent" in failure.remedy
+
+
+@pytest.mark.parametrize(
+    ("make", "detail"),
+    [
+        (
+            lambda: GraspEpsilon(inner=-1.0),
+            "--inner: must be at least 0.0 (it is -1.0).",
+        ),
+        (
+            lambda: LoadRequest(name="a/b"),
+            "name: must have letters A to Z, digits and _ . - alone, no sign but _ at "
+            "first (it is 'a/b').",
+        ),
+        (
+            lambda: ResetRequest(joint_positions={"j1": float("inf")}),
+            "j1: must be a finite number (it is inf).",
+        ),
+        (
+            lambda: GoalRequest(goal={"a": [{"time_from_start": float("nan")}]}),
+            "goal/a/0/time_from_start: must be a finite number (it is nan).",
+        ),
+        (
+            lambda: SceneObjectRequest(size=[0.1, float("nan"), 0.1]),
+            "size: must be a finite number (it is nan).",
+        ),
+    ],
+)
+def test_a_wrong_field_has_the_name_that_was_typed(make, detail):
+    with pytest.raises(ValidationError) as caught:
+        make()
+    typed = {"inner": "--inner", "joint_positions": "JOINT=POSITION"}
+
+    failure = failure_of(caught.value, typed)
+
+    assert (failure.code, failure.detail) == ("invalid_request", detail)
+
+
+def test_a_field_that_the_station_refuses_is_told_once_as_it_was_typed():
+    fields = [
+        FieldError(field="query/limit", value="'0'", message="must be at least 1"),
+        FieldError(field="query/kind/0", value="'x'", message="must be 'stop'"),
+    ]
+    detail = "query/limit: must be at least 1 (it is '0'). There is one more error."
+    error = ApiError(detail, status=422, code="invalid_request", errors=fields)
+
+    failure = failure_of(error, {"limit": "--count", "kind": "--kind"})
+
+    assert failure.detail == (
+        "--count: must be at least 1 (it is '0'); --kind: must be 'stop' (it is 'x')."
+    )
+    assert failure.remedy == "Nothing changed. Correct the value and try again."
+    assert [error["field"] for error in failure.errors] == [
+        "query/limit",
+        "query/kind/0",
+    ]
+
+
+def test_an_error_that_the_detail_has_is_not_told_again():
+    error = FieldError(field="p", value="", message="is too large")
+    error = ApiError("p is too large.", status=422, code="x", errors=[error])
+
+    assert failure_of(error).detail == "p is too large."
 
 
 def test_answer_that_is_not_understood_is_told():
@@ -84,7 +156,9 @@ def test_answer_that_is_not_understood_is_told():
     failure = failure_of(caught.value)
 
     assert failure.code == "unexpected_answer"
-    assert "state is 'asleep'" in failure.detail
+    assert "state: must be 'armed', 'stopped' or 'released' (it is 'asleep')" in (
+        failure.detail
+    )
 
 
 def test_defects_are_nobodys_failure():

@@ -20,9 +20,9 @@ from station import wire
 from station.api.auth import Access
 from station.api.control import Control, ControlHeldError
 from station.api.streams.request import StreamRequestError, read_format
-from station.api.validation_words import explain, explain_json
 from station.core.errors import StationError
 from station.core.facade.station import Station
+from station.wire.validation_words import explain, explain_json
 
 if TYPE_CHECKING:
     from station.core.ports.receipt import Receipt

@@ -4,7 +4,7 @@ from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
-from station.cli.errors import UsageError
+from station.cli.errors import UsageError, explain_fields
 from station.cli.output import answer_table, say, say_json, say_table
 from station.cli.verbs.gains import answer_change
 
@@ -16,6 +16,13 @@ if TYPE_CHECKING:
 _KINDS = ("step", "sine", "chirp", "multisine", "relay")
 _RUNS = ("list", "show", "delete", "apply")
 _SIZES = {"step": 0.1, "sine": 0.1, "chirp": 0.02, "multisine": 0.05, "relay": 0.1}
+_TYPED = {
+    "joint": "NAME",
+    "name": "--keep-as",
+    "run": "--keep-as",
+    **dict.fromkeys(("frequencies", "first", "last"), "--frequency"),
+}
+"""What a user types for the fields whose options have other names."""
 _FREQUENCIES = (0.5, 0.9, 1.5, 2.3, 3.7, 5.9)
 
 
@@ -142,10 +149,8 @@ def _measure(client: "StationClient", options: Namespace) -> "BenchResponse":
             run=options.keep_as,
         )
     except ValidationError as error:
-        reasons = "; ".join(
-            f"{'.'.join(map(str, each['loc']))}: {each['msg']}"
-            for each in error.errors()
-        )
+        typed = options.typed | _TYPED
+        reasons = "; ".join(explain_fields(error, typed, kind))
         raise UsageError(
             f"This is no {kind} test: {reasons}.", remedy="station bench --help"
         ) from error

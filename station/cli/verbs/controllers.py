@@ -29,7 +29,13 @@ def add_load_controller(parser: "Parser") -> None:
     source = "ROS parameter file with its parameters; else the station's configuration"
     add("param_file", nargs="?", type=Path, metavar="PARAM_FILE", help=source)
     add("--type", help="its type, when no parameters say it")
-    add("--load-timeout", type=float, metavar="S", help="longest init [s]")
+    add(
+        "--load-timeout",
+        type=float,
+        dest="timeout",
+        metavar="S",
+        help="longest init [s]",
+    )
     add("--set-state", choices=("inactive", "active"), help="active: start it, too")
 
 
@@ -303,7 +309,7 @@ def load_controller(options: Namespace) -> int:
             options.name,
             options.type,
             params,
-            timeout=options.load_timeout,
+            timeout=options.timeout,
             unknown_params="tell",
         )
         if options.set_state == "active":

@@ -7,12 +7,11 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
-from station.cli.errors import UsageError
+from station.cli.errors import UsageError, explain_fields
 from station.cli.output import answer, say, say_json, say_progress, say_table
 from station.cli.parser import read_number
 from station.cli.verbs.experiment_results import METRIC, say_summary
 from station.cli.verbs.identification import add_setup, load_setup, read_parameters
-from station.core.errors import show
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -249,10 +248,8 @@ def _request(options: Namespace, kind: "ExperimentKind") -> "ExperimentRequest":
     try:
         return ExperimentRequest.model_validate(fields)
     except ValidationError as error:
-        found = error.errors()[0]
-        name = ".".join(map(str, found["loc"]))
         raise UsageError(
-            f"{name}: {found['msg']} (given: {show(found['input'])}).",
+            f"{'; '.join(explain_fields(error, options.typed))}.",
             remedy=f"`station {kind} --help` explains the options.",
         ) from error
 

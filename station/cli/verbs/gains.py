@@ -74,6 +74,7 @@ def _show(client: "StationClient", options: Namespace) -> int:
 
 
 def _set(client: "StationClient", options: Namespace) -> int:
+    options.typed["values"] = "NAME=VALUE"
     change = client.set_gains(options.name, options.changes)
     return answer_change(options, change, options.changes, change.notes)
 

@@ -8,6 +8,7 @@ from station.app.watchdog_client import stop_through_watchdog
 from station.cli.connection import locate, open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer
+from station.cli.parser import read_duration
 from station.cli.verbs.switching import stop_running
 from station.local.station_locator import watchdog_of
 
@@ -27,7 +28,7 @@ def add_command(parser: "Parser") -> None:
     """Add the arguments of `command`."""
     add = parser.add_argument
     add("controller")
-    add("values", nargs="+", type=float, metavar="V")
+    add("command", nargs="+", type=float, metavar="V")
 
 
 def add_goto(parser: "Parser") -> None:
@@ -39,7 +40,7 @@ def add_goto(parser: "Parser") -> None:
         "trajectory controller",
     )
     add("values", nargs="*", type=float, metavar="V", help="positions [rad or m]")
-    add("--duration", type=float, metavar="S", help="without it: a calm one")
+    add("--duration", type=read_duration, metavar="S", help="without it: a calm one")
     add("--plan", action="store_true", help="go around what is in the way")
     add(
         "--pose",
@@ -84,7 +85,7 @@ def add_release(parser: "Parser") -> None:
 def command(options: Namespace) -> int:
     """Send a set-point to a controller."""
     with open_client(options) as client:
-        accepted = client.command(options.controller, options.values)
+        accepted = client.command(options.controller, options.command)
     line = f"{options.controller} took the set-point (epoch {accepted.epoch})."
     return answer(options, accepted, line)
 

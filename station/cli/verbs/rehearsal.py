@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json
+from station.cli.parser import read_duration
 
 if TYPE_CHECKING:
     from pydantic import JsonValue
@@ -30,7 +31,12 @@ def add_rehearse(parser: "Parser") -> None:
         metavar="V",
         help="a set-point; for a trajectory controller a pose, or positions [rad or m]",
     )
-    add("--duration", type=float, metavar="S", help="of a trajectory; without: calm")
+    add(
+        "--duration",
+        type=read_duration,
+        metavar="S",
+        help="of a trajectory; without: calm",
+    )
     add("--path", metavar="NAME", help="one round of a waypoint path")
     add("--file", metavar="FILE", help="a JSON list of steps; - for standard input")
     add("--seconds", type=float, metavar="S", help="how long; without: until all rests")

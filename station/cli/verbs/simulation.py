@@ -21,7 +21,7 @@ def add_step(parser: "Parser") -> None:
 def add_reset(parser: "Parser") -> None:
     """Add the arguments of `reset`."""
     parser.add_argument(
-        "positions",
+        "joint_positions",
         nargs="*",
         type=_joint_position,
         metavar="JOINT=POSITION",
@@ -66,7 +66,7 @@ def step(options: Namespace) -> int:
 def reset(options: Namespace) -> int:
     """Put the simulated world back to its start."""
     with open_client(options) as client:
-        state = client.simulation.reset(dict(options.positions), options.keyframe)
+        state = client.simulation.reset(dict(options.joint_positions), options.keyframe)
         return _tell(state, options)
 
 

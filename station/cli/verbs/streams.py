@@ -38,7 +38,14 @@ def add_events(parser: "Parser") -> None:
     )
     add("--since", type=int, metavar="ID", help="only events after this number")
     add("--severity", choices=("info", "warning", "error"), default="info")
-    add("-n", "--count", type=int, default=50, help="most events; 50 unless told")
+    add(
+        "-n",
+        "--count",
+        type=int,
+        dest="limit",
+        default=50,
+        help="most events; 50 unless told",
+    )
 
 
 def echo(options: Namespace) -> int:
@@ -113,7 +120,7 @@ def _listed(client: "StationClient", options: Namespace) -> "list[Event]":
         options.since,
         kinds=options.kind,
         severity=options.severity,
-        limit=options.count,
+        limit=options.limit,
     )
 
 

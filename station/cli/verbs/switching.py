@@ -22,8 +22,10 @@ _OUTCOMES = {
 
 def add_switch_controllers(parser: "Parser") -> None:
     """Add the arguments of `switch_controllers`."""
-    parser.add_argument("--activate", nargs="+", action="extend", default=[])
-    parser.add_argument("--deactivate", nargs="+", action="extend", default=[])
+    for option, dest in (("--activate", "start"), ("--deactivate", "stop")):
+        parser.add_argument(
+            option, nargs="+", action="extend", default=[], dest=dest, metavar="NAME"
+        )
     strictness = parser.add_mutually_exclusive_group()
     strictness.add_argument("--strict", action="store_true", help="all or nothing")
     strictness.add_argument(
@@ -36,9 +38,13 @@ def add_switch_controllers(parser: "Parser") -> None:
         "--force-auto", action="store_true", help="and stop what is in the way"
     )
     parser.add_argument("--activate-asap", action="store_true")
-    parser.add_argument("--switch-timeout", type=float, default=0.0, metavar="S")
+    parser.add_argument(
+        "--switch-timeout", type=float, dest="timeout", default=0.0, metavar="S"
+    )
     bound = "longest switch without a timeout, s; inf: no limit"
-    parser.add_argument("--switch-bound", type=float, metavar="S", help=bound)
+    parser.add_argument(
+        "--switch-bound", type=float, dest="bound", metavar="S", help=bound
+    )
     parser.add_argument("--dry-run", action="store_true", help="only say what would be")
 
 
@@ -63,21 +69,21 @@ def switch_controllers(options: Namespace) -> int:
     Raises:
         UsageError: No controller is named.
     """
-    if not options.activate and not options.deactivate:
+    if not options.start and not options.stop:
         raise UsageError(
             "No controller is named.",
             remedy="Name some with --activate, --deactivate or both.",
         )
     from station.wire.controllers import SWITCH_BOUND
 
-    bound = SWITCH_BOUND if options.switch_bound is None else options.switch_bound
+    bound = SWITCH_BOUND if options.bound is None else options.bound
     with open_client(options) as client:
         result = client.switch_controllers(
-            start=options.activate,
-            stop=options.deactivate,
+            start=options.start,
+            stop=options.stop,
             strictness=_strictness(options),
             start_asap=options.activate_asap,
-            timeout=options.switch_timeout,
+            timeout=options.timeout,
             bound=None if isinf(bound) else bound,
             dry_run=options.dry_run,
         )

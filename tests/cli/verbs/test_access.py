@@ -62,7 +62,7 @@ def test_events_are_the_newest_of_all_kinds_unless_told():
     options = parse(["events"])
 
     assert (options.kind, options.since, options.severity) == ([], None, "info")
-    assert (options.count, options.follow) == (50, False)
+    assert (options.limit, options.follow) == (50, False)
 
 
 def test_control_is_shown_unless_told():

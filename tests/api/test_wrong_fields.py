@@ -5,7 +5,7 @@ import re
 import pytest
 from pydantic_core._pydantic_core import list_all_errors
 
-from station.api.validation_words import explain, explain_json
+from station.wire.validation_words import explain, explain_json
 
 PYDANTIC = re.compile(
     r"Input should|Field required|valid (integer|number|string|dictionary)|Extra inputs"

@@ -33,7 +33,7 @@ _WORDS: Mapping[str, str | Callable[[Context], str]] = {
     "too_long": lambda c: f"must have at most {_items(c, 'max_length')}",
     "string_too_short": lambda c: f"must have at least {_letters(c, 'min_length')}",
     "string_too_long": lambda c: f"must have at most {_letters(c, 'max_length')}",
-    "string_pattern_mismatch": lambda c: f"must match {c.get('pattern')}",
+    "string_pattern_mismatch": lambda c: _names(str(c.get("pattern"))),
     "greater_than": lambda c: f"must be greater than {c.get('gt')}",
     "greater_than_equal": lambda c: f"must be at least {c.get('ge')}",
     "less_than": lambda c: f"must be less than {c.get('lt')}",
@@ -83,6 +83,21 @@ def explain_json(body: object, position: int, why: str) -> str:
     shown = text[position : position + 20]
     at = f"{shown!r} at character {position}" if shown else "its end"
     return f"is no JSON: {why.partition(':')[0]}, at {at}"
+
+
+def _names(pattern: str) -> str:
+    """Return what a pattern of names allows; other patterns are told as they are."""
+    signs = _SIGNS.get(pattern.replace("(", "").replace(")?", ""))
+    if signs is None:
+        return f"must match {pattern}"
+    return f"must have letters A to Z, digits and {signs} alone, no sign but _ at first"
+
+
+_SIGNS: Mapping[str, str] = {
+    r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$": "_ . -",
+    r"^[A-Za-z0-9_][A-Za-z0-9_.@+-]*$": "_ . @ + -",
+}
+"""The signs of the names that each pattern allows."""
 
 
 def _key(context: Context) -> str:
