@@ -1,5 +1,7 @@
 """Errors of the command line, and reports of errors of all kinds."""
 
+import json
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -41,6 +43,16 @@ class Failure:
             "remedy": self.remedy,
         }
         return {**data, "errors": list(self.errors)} if self.errors else data
+
+
+def report(failure: Failure, *, as_json: bool) -> None:
+    """Write an error and its remedy to stderr."""
+    if as_json:
+        sys.stderr.write(json.dumps(failure.as_problem()) + "\n")
+        return
+    sys.stderr.write(f"error: {failure.detail}\n")
+    if failure.remedy:
+        sys.stderr.write(f"{failure.remedy}\n")
 
 
 def failure_of(

@@ -5,14 +5,13 @@ appear at once.
 """
 
 import gc
-import json
 import os
 import re
 import sys
 from collections.abc import Sequence
 from decimal import Decimal
 
-from station.cli.errors import Failure, failure_of
+from station.cli.errors import failure_of, report
 from station.cli.parser import parse
 from station.core.scheduling import GC_THRESHOLDS
 
@@ -66,13 +65,3 @@ def normalise(argv: Sequence[str]) -> list[str]:
     if arguments and not arguments[0].startswith("-"):
         arguments[0] = arguments[0].replace("-", "_")
     return arguments
-
-
-def report(failure: Failure, *, as_json: bool) -> None:
-    """Write an error and its remedy to stderr."""
-    if as_json:
-        sys.stderr.write(json.dumps(failure.as_problem()) + "\n")
-        return
-    sys.stderr.write(f"error: {failure.detail}\n")
-    if failure.remedy:
-        sys.stderr.write(f"{failure.remedy}\n")

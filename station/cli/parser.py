@@ -2,17 +2,18 @@
 
 import argparse
 import importlib
-from collections.abc import Sequence
+import json
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn, TypeVar
 
 from typing_extensions import override
 
 import station
-from station.cli.errors import UsageError
+from station.cli.errors import UsageError, failure_of, report
 from station.cli.verbs import VERBS, Verb
-from station.core.errors import suggest
+from station.core.errors import show, suggest
 
 DESCRIPTION = """\
 Run a control station and talk to one. A verb may be written with dashes or underscores.
@@ -23,6 +24,7 @@ A station on this machine is found by itself, with its token. For another one gi
 and --token, or set STATION_URL and STATION_TOKEN; for https, --ca or STATION_CA.
 ROS 1 names work too: list, list-types, load, unload, start, spawn, kill; and stop NAME.
 """
+ValueT = TypeVar("ValueT")
 ROBOT = "example-robot-data:NAME or a URDF"
 """Help of an argument that names a robot by its URDF only."""
 
@@ -34,10 +36,12 @@ class Parser(argparse.ArgumentParser):
         typed: What a user types for each argument, by its `dest`: the long option, or
             the word in the usage. An argument for a field of a request has the name of
             the field as its `dest`.
+        is_for_programs: Whether `--json` was given, also for errors.
     """
 
     def __init__(self, **settings: Any) -> None:  # noqa: ANN401 - those of argparse
         self.typed: dict[str, str] = {}
+        self.is_for_programs = False
         super().__init__(**settings)
 
     @override
@@ -46,6 +50,16 @@ class Parser(argparse.ArgumentParser):
         word = action.metavar if isinstance(action.metavar, str) else action.dest
         self.typed[action.dest] = max(action.option_strings, key=len, default=word)
         return action
+
+    @override
+    def error(self, message: str) -> NoReturn:
+        if not self.is_for_programs:
+            super().error(message)
+        usage = " ".join(self.format_usage().split())
+        failure = failure_of(UsageError(f"{message.rstrip('.')}.", remedy=usage))
+        if failure is not None:
+            report(failure, as_json=True)
+        raise SystemExit(2)
 
     @override
     def _check_value(self, action: argparse.Action, value: Any) -> None:
@@ -82,6 +96,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
             aliases=list(verb.aliases),
         )
         if arguments and arguments[0] in {verb.name, *verb.aliases}:
+            parser.is_for_programs = found.is_for_programs = "--json" in arguments
             _fill(found, verb)
     return parser.parse_args(arguments)
 
@@ -100,7 +115,76 @@ def _fill(parser: Parser, verb: Verb) -> None:
     add = getattr(module, f"add_{verb.name}", None)
     if add is not None:
         add(parser)
-    parser.set_defaults(typed=parser.typed)
+    parser.set_defaults(
+        verb=verb.name, typed=parser.typed, default_of=parser.get_default
+    )
+
+
+def check_words(options: argparse.Namespace, uses: Mapping[str, str]) -> None:
+    """Refuse the words and options that the chosen action has no use for.
+
+    Args:
+        options: Options of the verb; `action` is the chosen action.
+        uses: The arguments that each action uses: their `dest`s, with spaces between.
+
+    Raises:
+        UsageError: A word or an option without a use was given.
+    """
+    used = uses[options.action].split()
+    known = dict.fromkeys(dest for each in uses.values() for dest in each.split())
+    for dest in known:
+        value = getattr(options, dest)
+        if dest in used or value in (None, [], options.default_of(dest)):
+            continue
+        raise UsageError(
+            f"`{options.verb} {options.action}` has no use for "
+            f"{options.typed[dest]} ({show(value)}).",
+            remedy="Leave it out.",
+        )
+
+
+def unique(pairs: Iterable[tuple[str, ValueT]]) -> dict[str, ValueT]:
+    """Return pairs of names and values as a dictionary.
+
+    Raises:
+        UsageError: A name is given twice, so that one of its values would not count.
+    """
+    found: dict[str, ValueT] = {}
+    for name, value in pairs:
+        if name in found:
+            raise UsageError(
+                f"'{name}' is given twice: {show(found[name])} and {show(value)}.",
+                remedy="Give it once.",
+            )
+        found[name] = value
+    return found
+
+
+def read_json(text: str) -> Any:  # noqa: ANN401 - whatever JSON has
+    """Return the value of a word: read as JSON if it is JSON, otherwise the text.
+
+    Raises:
+        UsageError: An object of the JSON has a key twice.
+    """
+    try:
+        return json.loads(text, object_pairs_hook=unique)
+    except UsageError:
+        raise
+    except (ValueError, RecursionError):
+        return text
+
+
+def read_count(text: str) -> int:
+    """Return a number of things.
+
+    Raises:
+        ArgumentTypeError: The text is not a whole number above 0.
+    """
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a number of things; it must be a whole number above 0."
+        )
+    return int(text)
 
 
 def read_duration(text: str) -> float:

@@ -37,6 +37,7 @@ from station.client.connection import Promptness as Promptness
 from station.client.controllers import AsyncGoalHandle as AsyncGoalHandle
 from station.client.errors import (
     ApiError as ApiError,
+    EmptyNameError as EmptyNameError,
     MotionError as MotionError,
     NotFiniteError as NotFiniteError,
     StationUnreachableError as StationUnreachableError,

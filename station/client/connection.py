@@ -23,7 +23,12 @@ from urllib.parse import quote
 import httpx
 from pydantic import BaseModel, JsonValue
 
-from station.client.errors import ApiError, NotFiniteError, StationUnreachableError
+from station.client.errors import (
+    ApiError,
+    EmptyNameError,
+    NotFiniteError,
+    StationUnreachableError,
+)
 from station.client.streams import CommandOptions, Rate, StreamOptions, bearer
 from station.wire.base import reader_of
 from station.wire.protocol import CLOCK_HEADER, LEASE_HEADER, NOT_AFTER_HEADER, PREFIX
@@ -410,6 +415,13 @@ def _numbers(value: object, path: str = "") -> Iterator[tuple[str, float]]:
 
 
 def segment(name: str) -> str:
-    """Return `name` as one segment of a path."""
-    # Slashes in a name are not separators of the path.
-    return quote(name, safe="")
+    """Return `name` as one segment of a path.
+
+    Raises:
+        EmptyNameError: The name is empty, so that the path would be another one.
+    """
+    if not name:
+        raise EmptyNameError
+    # Slashes in a name are not separators of the path, and dots do not lead upwards.
+    quoted = quote(name, safe="")
+    return quoted if quoted.strip(".") else quoted.replace(".", "%2E")

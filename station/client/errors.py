@@ -2,6 +2,7 @@
 
 ```
 ApiError                       the station refused; has reason and remedy
+├── EmptyNameError             the name of a thing is empty; nothing was sent
 ├── NotFiniteError             a number of a request is not finite; nothing was sent
 ├── MotionError                a motion or a goal did not reach its aim
 ├── StationUnreachableError    no answer at all
@@ -105,6 +106,18 @@ class NotFiniteError(ApiError, ValueError):
             status=0,
             code="invalid_request",
             remedy="Nothing was sent. Correct the value and try again.",
+        )
+
+
+class EmptyNameError(ApiError, ValueError):
+    """The name of the thing that a request is about is empty."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "The name is empty; it must have at least 1 character.",
+            status=0,
+            code="invalid_request",
+            remedy="Nothing was sent. Give the name and try again.",
         )
 
 

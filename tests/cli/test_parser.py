@@ -1,10 +1,38 @@
 """Every verb has a function and arguments; an unknown word gets the nearest."""
 
+import json
+
 import pytest
 
+from station.cli.main import main
 from station.cli.parser import Parser, parse
 from station.cli.verbs import VERBS
 
+USELESS = [
+    ("scene list foo", "name ('foo')"),
+    ("scene saved foo", "name ('foo')"),
+    ("scene remove wall a=b", "KEY=VALUE"),
+    ("control show --owner ada", "--owner ('ada')"),
+    ("token list ada", "NAME ('ada')"),
+    ("token list --role viewer", "--role ('viewer')"),
+    ("agents list 5f", "NUMBER ('5f')"),
+    ("record list foo", "NAME ('foo')"),
+    ("record start x --format csv", "--format ('csv')"),
+    ("record stop --note x", "--note ('x')"),
+    ("incidents list foo", "ID ('foo')"),
+    ("bench step j1 --frequency 1", "--frequency ([1.0])"),
+    ("bench relay j1 --rule pid", "--rule ('pid')"),
+]
+"""Words and options that an action has no use for."""
+TWICE = [
+    "gains set arm j1/p=6 j1/p=5",
+    "reset j1=1 j1=2",
+    "scene put wall role=fence role=keep_out",
+    "lesson check p_alone a=1 a=2",
+    "robot panda set_load mass=1 mass=2",
+    'parameters set a {"b":1,"b":2}',
+]
+"""Lines that give a value twice."""
 LINES = {
     "run": "run",
     "fci": "fci station.yaml --host 127.0.0.2 --patience 0.1 --desk",
@@ -128,3 +156,32 @@ def test_an_unknown_verb_gets_the_nearest(parser, capsys):
 
 def test_a_known_verb_is_taken(parser):
     assert parser.parse_args(["gains"]).verb == "gains"
+
+
+@pytest.mark.parametrize(("line", "useless"), USELESS)
+def test_a_word_that_has_no_use_is_refused(run, station, line, useless):
+    outcome = run(line)
+
+    assert (outcome.code, outcome.out, station.calls) == (2, "", [])
+    assert f"has no use for {useless}" in outcome.err
+
+
+@pytest.mark.parametrize("line", TWICE)
+def test_a_value_that_is_given_twice_is_refused(run, station, line):
+    outcome = run(line)
+
+    assert (outcome.code, outcome.out, station.calls) == (2, "", [])
+    assert " is given twice: " in outcome.err
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["echo loop -n 0", "scene foo", "stop --foo", "goto ready --duration nan"],
+)
+def test_wrong_usage_is_told_as_json_to_a_program(capsys, line):
+    assert main([*line.split(), "--json"]) == 2
+
+    told = json.loads(capsys.readouterr().err)
+    assert told["code"] == "usage"
+    assert told["detail"].endswith(".")
+    assert not told["detail"].endswith("..")

@@ -7,7 +7,7 @@ import httpx
 import pytest
 from pydantic import ValidationError
 
-from station.client import ApiError, AsyncStationClient
+from station.client import ApiError, AsyncStationClient, EmptyNameError
 from station.client.connection import AsyncConnection, Promptness, segment
 from station.core.clock import ManualClock
 from station.wire import Session
@@ -163,7 +163,13 @@ def test_a_change_may_begin_for_some_time_by_the_stations_clock():
         ("a/b c", "a%2Fb%20c"),
         ("x&y?", "x%26y%3F"),
         ("a.b-c_1", "a.b-c_1"),
+        ("..", "%2E%2E"),
     ],
 )
 def test_a_name_is_one_segment_of_a_path(name, written):
     assert segment(name) == written
+
+
+def test_an_empty_name_is_refused_before_anything_is_sent():
+    with pytest.raises(EmptyNameError, match="must have at least 1 character"):
+        segment("")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import LEASE_VARIABLE, open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table, say
+from station.cli.parser import check_words
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
 
 LOOK_PERIOD = 0.2
 """Time between two checks whether control was lost [s]."""
+
+
+_CONTROL = {"show": "", "take": "owner ttl force", "release": ""}
+_TOKEN = {"create": "name role expires", "list": "", "revoke": "name"}
 
 
 def add_control(parser: "Parser") -> None:
@@ -38,12 +43,13 @@ def add_token(parser: "Parser") -> None:
 
 def control(options: Namespace) -> int:
     """Show the holder of control, take control until Ctrl-C, or give it back."""
+    check_words(options, _CONTROL)
     with open_client(options) as client:
         if options.action == "take":
             _take(client, options)
         elif options.action == "release":
             client.lease.release()
-            say("Control is given back.")
+            answer(options, {"owner": None}, "Control is given back.")
         else:
             _show(client.lease.state(), options)
     return 0
@@ -76,6 +82,7 @@ def token(options: Namespace) -> int:
     Raises:
         UsageError: `create` or `revoke` was given without a name.
     """
+    check_words(options, _TOKEN)
     if options.action != "list" and options.name is None:
         raise UsageError(
             f"Whose token? `{options.action}` needs a name.",

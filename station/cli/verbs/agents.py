@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 from station.cli.connection import locate, open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table, say
+from station.cli.parser import check_words
 from station.core.installation import MissingExtraError
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ def agents(options: Namespace) -> int:
     Raises:
         UsageError: An answer was given without the number of a request.
     """
+    check_words(options, {"list": "", **dict.fromkeys(VERDICTS, "number")})
     if options.action != "list" and options.number is None:
         raise UsageError(
             "Which request? An answer needs its number.", remedy="station agents list"

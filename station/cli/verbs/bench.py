@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import open_client
 from station.cli.errors import UsageError, explain_fields
 from station.cli.output import answer_table, say, say_json, say_table
+from station.cli.parser import check_words
 from station.cli.verbs.gains import answer_change
 
 if TYPE_CHECKING:
@@ -16,6 +17,17 @@ if TYPE_CHECKING:
 _KINDS = ("step", "sine", "chirp", "multisine", "relay")
 _RUNS = ("list", "show", "delete", "apply")
 _SIZES = {"step": 0.1, "sine": 0.1, "chirp": 0.02, "multisine": 0.05, "relay": 0.1}
+_TEST = "name controller amplitude duration keep_as recording incident"
+_USES = {
+    "step": _TEST,
+    **dict.fromkeys(("sine", "chirp", "multisine"), f"{_TEST} frequency"),
+    "relay": f"{_TEST} hysteresis relay_gain",
+    "list": "",
+    "show": "name",
+    "delete": "name",
+    "apply": "name rule",
+}
+"""Arguments that each action uses."""
 _TYPED = {
     "joint": "NAME",
     "name": "--keep-as",
@@ -78,6 +90,14 @@ def bench(options: Namespace) -> int:
             f"{'no more words' if options.action == 'list' else 'a name'}.",
             remedy="station bench relay panda_joint1 --relay-gain 50, station bench "
             "list, station bench apply RUN --rule tyreus_luyben_pid.",
+        )
+    # A part of a recording is read between the lowest and the highest frequency.
+    part = "frequency begin end" if options.recording or options.incident else ""
+    check_words(options, {one: f"{used} {part}" for one, used in _USES.items()})
+    if options.recording and options.incident:
+        raise UsageError(
+            "Both a recording and an incident are named.",
+            remedy="Leave out --recording or --incident.",
         )
     with open_client(options) as client:
         if options.action == "list":

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import open_client
 from station.cli.errors import UsageError, explain_fields
 from station.cli.output import answer, say, say_json, say_progress, say_table
-from station.cli.parser import read_number
+from station.cli.parser import read_number, unique
 from station.cli.verbs.experiment_results import METRIC, say_summary
 from station.cli.verbs.identification import add_setup, load_setup, read_parameters
 
@@ -234,7 +234,9 @@ def _request(options: Namespace, kind: "ExperimentKind") -> "ExperimentRequest":
     }
     if kind == "tune":
         fields["gains"] = options.gains
-        fields["weights"] = dict(map(read_number, options.weight)) or {"rms_error": 1.0}
+        fields["weights"] = unique(map(read_number, options.weight)) or {
+            "rms_error": 1.0
+        }
         fields["bounds"] = [_bound(word) for word in options.at_most] or None
     else:
         fields["ranges"] = list(options.ranges)

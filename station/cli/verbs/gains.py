@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table, number, say
-from station.cli.parser import read_number
+from station.cli.parser import read_number, unique
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -55,7 +55,7 @@ def gains(options: Namespace) -> int:
             "station gains save|load|diff|delete SET, station gains list|undo.",
         )
     is_set = options.action == "set"
-    options.changes = dict(map(_change, options.words)) if is_set else {}
+    options.changes = unique(map(_change, options.words)) if is_set else {}
     with open_client(options) as client:
         return action(client, options)
 

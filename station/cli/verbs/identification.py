@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.cli.output import say, say_json, say_table
-from station.cli.parser import add_controllers, read_number
+from station.cli.parser import add_controllers, read_number, unique
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -78,7 +78,7 @@ def read_parameters(options: Namespace) -> dict[str, float]:
     """
     from station.trials.parameters import check
 
-    found = dict(map(read_number, options.parameters))
+    found = unique(map(read_number, options.parameters))
     for name, value in found.items():
         check(name, value)
     return found

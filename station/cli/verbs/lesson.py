@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table, say
-from station.cli.parser import read_number
+from station.cli.parser import read_number, unique
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -43,7 +43,7 @@ def lesson(options: Namespace) -> int:
             remedy="station lesson list, station lesson begin p_alone, "
             "station lesson check p_alone steady_error=5.1.",
         )
-    answers = dict(map(read_number, options.answers))
+    answers = unique(map(read_number, options.answers))
     with open_client(options) as client:
         if options.action == "check":
             return _check(client, options, answers)

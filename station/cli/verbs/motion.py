@@ -232,7 +232,7 @@ def recover(options: Namespace) -> int:
     with open_client(options) as client:
         restart: Restart = "previous" if options.restart else "none"
         recovered: Recovery | Recoveries
-        if options.arm_id:
+        if options.arm_id is not None:
             recovered = client.robot(options.arm_id).recover(restart)
             arms: list[ArmReport] = [recovered]
         else:

@@ -1,12 +1,12 @@
 """Verb `parameters`: the tree from which controllers are loaded, like rosparam."""
 
-import json
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json
+from station.cli.output import answer, say_json
+from station.cli.parser import read_json
 
 if TYPE_CHECKING:
     from pydantic import JsonValue
@@ -37,19 +37,11 @@ def parameters(options: Namespace) -> int:
         )
     with open_client(options) as client:
         if options.action == "set":
-            client.set_parameter(options.path, _value(options.value))
-            say("Done.")
+            value: JsonValue = read_json(options.value)
+            client.set_parameter(options.path, value)
+            answer(options, value, "Done.")
         elif options.action == "delete":
             say_json(client.delete_parameter(options.path))
         else:
             say_json(client.parameter(options.path))
     return 0
-
-
-def _value(text: str) -> "JsonValue":
-    """Return the value of a word, read as JSON if possible, else as text."""
-    try:
-        value: JsonValue = json.loads(text)
-    except ValueError:
-        return text
-    return value

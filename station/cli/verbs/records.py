@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table
+from station.cli.parser import check_words
 from station.core.errors import RecordingRefusedError
 
 if TYPE_CHECKING:
@@ -17,6 +18,13 @@ if TYPE_CHECKING:
     from station.wire import Recording
 
 FORMATS = ("mcap", "csv", "npz", "parquet")
+_RECORD = {
+    "start": "name note",
+    "get": "name output format channels joints rate",
+    "list": "",
+    **dict.fromkeys(("stop", "delete", "rerun"), "name"),
+}
+"""Arguments that each action uses."""
 _NEEDS_NAME = frozenset({"get", "delete", "rerun"})
 
 
@@ -75,6 +83,7 @@ def record(options: Namespace) -> int:
         UsageError: The name of the recording is missing.
     """
     action = options.action
+    check_words(options, _RECORD)
     if action in _NEEDS_NAME and options.name is None:
         raise UsageError(
             f"`record {action}` needs to know which recording.",
@@ -103,6 +112,7 @@ def incidents(options: Namespace) -> int:
     Raises:
         UsageError: The name of the incident is missing.
     """
+    check_words(options, {"list": "", "get": _RECORD["get"]})
     if options.action == "get" and options.name is None:
         raise UsageError(
             "`incidents get` needs to know which incident.",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json
-from station.cli.parser import read_duration
+from station.cli.parser import read_duration, unique
 
 if TYPE_CHECKING:
     from pydantic import JsonValue
@@ -80,6 +80,11 @@ def _steps(client: "StationClient", options: Namespace) -> "list[dict[str, JsonV
             f"What to rehearse was named twice: by {' and by '.join(given)}.",
             remedy="Name a controller with a set-point, or give --path or --file.",
         )
+    if options.duration is not None and options.controller is None:
+        raise UsageError(
+            f"--duration {options.duration:g} is for a controller alone.",
+            remedy="Leave it out: --path and --file have their own times.",
+        )
     if options.file is not None:
         return _steps_of_file(options.file)
     if options.path is not None:
@@ -100,7 +105,7 @@ def _steps(client: "StationClient", options: Namespace) -> "list[dict[str, JsonV
 def _steps_of_file(file: str) -> "list[dict[str, JsonValue]]":
     try:
         text = sys.stdin.read() if file == "-" else Path(file).read_text("utf-8")
-        steps = json.loads(text)
+        steps = json.loads(text, object_pairs_hook=unique)
     except (OSError, ValueError) as error:
         raise UsageError(
             f"{file} cannot be read: {error}.", remedy="Give a JSON list of steps."

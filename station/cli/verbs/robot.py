@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table
+from station.cli.parser import read_json, unique
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -64,7 +65,7 @@ def add_gripper(parser: "Parser") -> None:
 
 def robot(options: Namespace) -> int:
     """List the services of a robot, or call one of them and print its answer."""
-    arguments = dict(_parse_argument(argument) for argument in options.arguments)
+    arguments = unique(map(_parse_argument, options.arguments))
     with open_client(options) as client:
         chosen = client.robot(options.arm_id)
         if options.service is None:
@@ -99,10 +100,7 @@ def _parse_argument(argument: str) -> "tuple[str, JsonValue]":
             f"{argument!r} is not NAME=VALUE.",
             remedy="Write it like mass=0.5 or lengths=[1.0,2.0].",
         )
-    try:
-        return name, json.loads(text)
-    except ValueError:
-        return name, text
+    return name, read_json(text)
 
 
 def gripper(options: Namespace) -> int:

@@ -5,9 +5,13 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import answer, say
+from station.cli.output import answer, say, say_json
+from station.cli.parser import check_words, unique
+from station.core.errors import suggest
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from station.cli.parser import Parser
     from station.client import StationClient
     from station.wire import SceneObject, Simulation
@@ -66,7 +70,9 @@ def step(options: Namespace) -> int:
 def reset(options: Namespace) -> int:
     """Put the simulated world back to its start."""
     with open_client(options) as client:
-        state = client.simulation.reset(dict(options.joint_positions), options.keyframe)
+        state = client.simulation.reset(
+            unique(options.joint_positions), options.keyframe
+        )
         return _tell(state, options)
 
 
@@ -76,10 +82,18 @@ def _tell(state: "Simulation", options: Namespace) -> int:
     return answer(options, state, f"{how}; {state.time:.3f} s simulated.")
 
 
-_NUMBERS = {"size", "position", "rpy", "colour"}
-_ACTIONS = (
-    "list", "put", "remove", "attach", "detach", "saved", "save", "load", "delete"
+_NUMBERS = {"size", "position", "rpy", "orientation", "colour"}
+_KEYS = (
+    "type", "size", "position", "rpy", "orientation", "role", "margin", "links",
+    "colour", "file",
 )  # fmt: skip
+"""Keys of `put`; only the configuration has those of bodies, such as a mass."""
+_ACTIONS = {
+    "list": "", "saved": "",
+    "put": "name values", "attach": "name values", "detach": "name values",
+    **dict.fromkeys(("remove", "save", "load", "delete"), "name"),
+}  # fmt: skip
+"""Arguments that each action uses."""
 
 
 def add_scene(parser: "Parser") -> None:
@@ -119,11 +133,17 @@ def _value(text: str) -> tuple[str, object]:
 
 
 def scene(options: Namespace) -> int:
-    """List the scene, change one of its objects, or save it under a name."""
+    """List the scene, change one of its objects, or save it under a name.
+
+    Raises:
+        UsageError: There are too few or too many words.
+    """
     action, name = options.action, options.name
-    if action not in {"list", "saved"} and name is None:
-        say(f"Which one? station scene {action} NAME")
-        return 2
+    check_words(options, _ACTIONS)
+    if "name" in _ACTIONS[action] and name is None:
+        raise UsageError(
+            f"`scene {action}` needs a name.", remedy=f"station scene {action} NAME"
+        )
     with open_client(options) as client:
         if action in {"put", "attach", "detach"}:
             found = _change(client, options)
@@ -147,8 +167,9 @@ def scene(options: Namespace) -> int:
 
 
 def _change(client: "StationClient", options: Namespace) -> "SceneObject":
-    values = dict(options.values)
+    values = unique(options.values)
     if options.action == "put":
+        _check_keys("put", values, _KEYS)
         return client.put_object(options.name, **values)
     load = _is_to_load(options.action, values)
     if options.action == "attach":
@@ -162,24 +183,33 @@ def _is_to_load(action: str, values: dict[str, object]) -> bool:
     Raises:
         UsageError: A key or a value is unknown.
     """
-    allowed = {"arm", "load"} if action == "attach" else {"load"}
-    for unknown in sorted(set(values) - allowed):
-        raise UsageError(
-            f"`scene {action}` has no key '{unknown}'.",
-            remedy=f"Give {' and '.join(sorted(allowed))}, or leave them out.",
-        )
+    _check_keys(action, values, ("arm", "load") if action == "attach" else ("load",))
     load = values.get("load", "yes")
     if load not in {"yes", "no"}:
         raise UsageError(f"load is '{load}'.", remedy="Give load=yes or load=no.")
     return load == "yes"
 
 
+def _check_keys(
+    action: str, values: dict[str, object], allowed: "Sequence[str]"
+) -> None:
+    for unknown in sorted(set(values) - set(allowed)):
+        raise UsageError(
+            f"`scene {action}` has no key '{unknown}'.",
+            remedy=f"{suggest(unknown, allowed)} Leave out what is to stay as it is.",
+        )
+
+
 def _list(client: "StationClient", options: Namespace) -> None:
-    for one in client.scene():
+    objects = client.scene()
+    if options.json:
+        say_json(objects)
+        return
+    for one in objects:
         at = ", ".join(f"{value or 0.0:.3f}" for value in one.position)
         carried = f", carried by {one.carried_by}" if one.carried_by else ""
-        answer(options, one, f"{one.name}: {one.type}, {one.role}, at {at} m{carried}")
-    for pair in () if options.json else client.clearances():
+        say(f"{one.name}: {one.type}, {one.role}, at {at} m{carried}")
+    for pair in client.clearances():
         say(
             f"{pair.arm}: {pair.link} is {1000.0 * pair.distance:.0f} mm from "
             f"'{pair.object}', margin {1000.0 * pair.margin:.0f} mm"

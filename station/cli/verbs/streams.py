@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json
+from station.cli.parser import read_count
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -22,7 +23,7 @@ def add_echo(parser: "Parser") -> None:
     add("topic", help="joint_states, robot_state, controllers, loop, …")
     add("--rate", metavar="HZ", help="samples per second, or `full`")
     add("--fields", metavar="A,B", help="only these fields")
-    add("-n", "--count", type=int, help="stop after so many")
+    add("-n", "--count", type=read_count, help="stop after so many")
 
 
 def add_events(parser: "Parser") -> None:

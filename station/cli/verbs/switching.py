@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json
+from station.cli.output import answer, say, say_json
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -131,9 +131,8 @@ def set_controller_state(options: Namespace) -> int:
                     f"{options.state} at once.",
                     remedy="Set it inactive first.",
                 )
-    if not options.json:
-        say(f"{name} is {options.state}.")
-    return 0
+    found_now = {"name": name, "state": options.state}
+    return answer(options, found_now, f"{name} is {options.state}.")
 
 
 def spawn(options: Namespace) -> int:
@@ -159,9 +158,8 @@ def stop_running(client: "StationClient", options: Namespace) -> int:
     """Stop the named controllers that run."""
     running = [n for n in options.names if client.controller(n).state == "running"]
     if not running:
-        if not options.json:
-            say("None of them is running.")
-        return 0
+        stopped: dict[str, object] = {"ok": True, "stopped": [], "started": []}
+        return answer(options, stopped, "None of them is running.")
     return _tell(client.switch_controllers(stop=running), options)
 
 

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from station.app.watchdog_client import WatchdogStop
+from station.cli.main import main
 from station.client import StationUnreachableError
 from station.wire import StopState
 
@@ -85,6 +86,12 @@ def test_recover_can_start_controllers_again(run, station):
 
     assert station.calls == [("recover", "right", "previous")]
     assert "Started again: arm." in outcome.out
+
+
+def test_recover_of_an_arm_without_a_name_is_not_that_of_all(station):
+    main(["recover", ""])
+
+    assert station.calls == [("recover", "", "none")]
 
 
 @pytest.fixture

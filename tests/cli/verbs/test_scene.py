@@ -1,5 +1,6 @@
 """The verb that changes the objects around robots."""
 
+import json
 from types import SimpleNamespace
 
 import pytest
@@ -78,3 +79,19 @@ def test_scenes_are_saved_listed_loaded_and_deleted(run, asked):
 def test_a_name_is_needed(run, asked):
     outcome = run("scene attach")
     assert (outcome.code, asked) == (2, [])
+
+
+@pytest.mark.parametrize("objects", [[], [CUBE], [CUBE, CUBE]])
+def test_the_scene_is_one_json_list(run, station, objects):
+    station.scene = lambda: objects
+
+    found = json.loads(run("scene --json").out)
+
+    assert [one["name"] for one in found] == ["cube"] * len(objects)
+
+
+def test_put_refuses_what_only_the_configuration_has(run, asked):
+    outcome = run("scene put cube mass=3")
+
+    assert (outcome.code, asked) == (2, [])
+    assert "`scene put` has no key 'mass'" in outcome.err
