@@ -28,6 +28,14 @@ MOST_LEVELS = 200
 each level."""
 
 
+SLASH = "%2F"
+"""A slash inside of a name, in the path of a request."""
+
+
+class DoubleNameError(ValueError):
+    """An object has the same key twice, so that one of the values would not count."""
+
+
 class JsonRequest(Request):
     """A request whose body is parsed fast, and strictly: JSON has no NaN."""
 
@@ -47,16 +55,24 @@ class JsonRequest(Request):
         # name. Python's parser does, but takes ten times longer, so it reads only
         # bodies with more colons than members. Texts with colons are among these.
         if text.count(b":") > members:
-            json.loads(text, object_pairs_hook=_check_names)
+            try:
+                check_names(text)
+            except DoubleNameError as error:
+                raise ProblemError(
+                    422,
+                    "invalid_request",
+                    f"The body {error}.",
+                    "Give each key once. Nothing changed.",
+                ) from error
         return body
 
 
 class QueryRoute(APIRoute):
-    """A route that refuses unknown parameters of its query."""
+    """A route that refuses unknown parameters of its query; reads slashes in names."""
 
     @override
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        handle = super().get_route_handler()
+        handle = _with_names(super().get_route_handler())
         known = _query_of(self.dependant)
         # A misspelt parameter must not be ignored, e.g. a certificate or a filter.
         if not _depends_on_access(self.dependant):
@@ -111,6 +127,20 @@ class JsonRoute(QueryRoute):
         return handle_json
 
 
+def _with_names(
+    handle: Callable[[Request], Coroutine[Any, Any, Response]],
+) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+    """Return a handler that reads the names in the path with their slashes."""
+
+    async def handle_names(request: Request) -> Response:
+        names: dict[str, Any] = request.scope["path_params"]
+        for key, name in names.items():
+            names[key] = name.replace(SLASH, "/")
+        return await handle(request)
+
+    return handle_names
+
+
 def _check_values(body: object) -> int:
     values, members, levels, level = 0, 0, 0, [body]
     while level:
@@ -133,16 +163,20 @@ def _check_values(body: object) -> int:
     return members  # of all objects
 
 
-def _check_names(pairs: list[tuple[str, object]]) -> None:
+def check_names(text: bytes | str) -> None:
+    """Refuse JSON with the same key twice in one object.
+
+    Raises:
+        DoubleNameError: An object has a key twice.
+    """
+    json.loads(text, object_pairs_hook=_check_pairs)
+
+
+def _check_pairs(pairs: list[tuple[str, object]]) -> None:
     names = set()
     for name, _ in pairs:
         if name in names:
-            raise ProblemError(
-                422,
-                "invalid_request",
-                f"The body has the key '{name:.80}' twice in one object.",
-                "Give each key once. Nothing changed.",
-            )
+            raise DoubleNameError(f"has the key '{name:.80}' twice in one object")
         names.add(name)
 
 

@@ -1,15 +1,19 @@
 """Complete the OpenAPI document of FastAPI by statuses, headers and tags."""
 
+import re
 from typing import Any
+from urllib.parse import quote, unquote
 
 import anyio
 import anyio.to_thread
 import orjson
 from fastapi import FastAPI
 from fastapi.routing import APIRoute, iter_route_contexts
+from starlette.types import Receive, Scope, Send
 from typing_extensions import override
 
 from station.api.agents import seat_of
+from station.api.json_route import SLASH
 from station.api.routes.routing import MEANINGS
 from station.reports import Described, examples_of
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
@@ -114,6 +118,15 @@ class StationApi(FastAPI):
         super().__init__(openapi_url=None, docs_url=None, redoc_url=None, **settings)
         self._json = b""
         self._one_maker = anyio.CapacityLimiter(1)
+
+    @override
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        raw_path: bytes = scope.get("raw_path") or b""
+        # A slash in a name would make another path of it. The routes decode it.
+        if scope["type"] == "http" and SLASH in raw_path.decode("latin-1").upper():
+            kept = re.sub(SLASH, quote(SLASH), raw_path.decode("latin-1"), flags=re.I)
+            scope["path"] = unquote(kept)
+        await super().__call__(scope, receive, send)
 
     def methods_by_path(self) -> dict[str, set[str]]:
         """Return the methods of each path, without making the document.

@@ -149,3 +149,20 @@ def test_a_body_of_too_many_levels_is_refused(operator, depth, status):
     )
 
     assert answer.status_code == status
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "detail"),
+    [
+        ("GET", "controllers/a%2Fb", "No controller 'a/b' is loaded."),
+        ("GET", "controllers/a%2fb/gains", "No controller 'a/b' is loaded."),
+        ("DELETE", "scene/a%2Fb", "The scene has no object 'a/b'."),
+        ("GET", "parameters/a%2Fb", "There is no parameter 'a/b'."),
+        ("GET", "hardware%2Fcomponents", "GET /api/v1/hardware%2Fcomponents"),
+    ],
+)
+def test_a_name_with_a_slash_is_unknown_as_any_other(operator, method, path, detail):
+    answer = operator.request(method, f"/api/v1/{path}")
+
+    assert answer.status_code == 404
+    assert answer.json()["detail"].startswith(detail)

@@ -19,6 +19,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from station import wire
 from station.api.auth import Access
 from station.api.control import Control, ControlHeldError
+from station.api.json_route import DoubleNameError, check_names
 from station.api.streams.request import StreamRequestError, read_format
 from station.core.errors import StationError
 from station.core.facade.station import Station
@@ -290,6 +291,10 @@ def _read(message: bytes | str, form: wire.StreamFormat) -> wire.CommandRequest:
     """
     if form == "json":
         values = orjson.loads(message)
+        # A set-point has no inner objects: more colons are keys that are there twice.
+        text = message if isinstance(message, bytes) else message.encode()
+        if isinstance(values, dict) and text.count(b":") > len(values):
+            check_names(message)
     else:
         raw = message if isinstance(message, bytes) else message.encode()
         try:
@@ -316,6 +321,8 @@ def _told(error: StationError | ValueError) -> dict[str, object]:
         field = "".join(f"{part}/" for part in first["loc"])[:-1]
         words = explain(first["type"], first.get("ctx", {}))
         detail = f"{field}: {words}." if field else f"The message {words}."
+    elif isinstance(error, DoubleNameError):
+        detail = f"The message {error}."
     else:
         detail = str(error)
     remedy = 'Send {"command": [one number per element]}.'

@@ -123,6 +123,10 @@ def test_a_wrong_set_point_is_refused_and_the_stream_goes_on(server, message, co
         ("nonsense", "The message is no JSON: invalid literal, expected 'null', at"),
         ("7", "The message must be an object."),
         ('{"command": ["0.1"]}', "command/0: must be a number."),
+        (
+            '{"command": [0.1], "command": [0.5]}',
+            "The message has the key 'command' twice in one object.",
+        ),
     ],
 )
 def test_a_refusal_says_what_is_wrong_with_the_message(server, message, said):
