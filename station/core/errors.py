@@ -71,6 +71,8 @@ _MAX_SHOWN = 80
 _MAX_LISTED = 8
 _LIKELY = 0.6
 """Likeness of a name that may have been meant; the default of `difflib`."""
+_FAINT = 0.3
+"""Likeness below which the nearest names are nearest by chance."""
 
 
 def show(value: object) -> str:
@@ -90,7 +92,7 @@ def suggest(name: str, known: Iterable[str]) -> str:
     """Return a sentence about known names that resemble `name`.
 
     The sentence lists all known names if they are few. Otherwise it gives the three
-    nearest ones and the number of all.
+    nearest ones and the number of all, or the first three if none resembles it.
 
     Args:
         name: The name that is unknown.
@@ -112,7 +114,10 @@ def _suggest(name: str, names: tuple[str, ...]) -> str:
     if ratio >= _LIKELY:
         meant = f"'{first}', '{second}' or '{third}'"
         return f"Did you mean {meant}? There are {len(names)} in all."
-    return f"The nearest of {len(names)} are '{first}', '{second}' and '{third}'."
+    if ratio >= _FAINT:
+        return f"The nearest of {len(names)} are '{first}', '{second}' and '{third}'."
+    first, second, third = names[:3]
+    return f"There are {len(names)}, such as '{first}', '{second}' and '{third}'."
 
 
 def _nearest(name: str, names: Sequence[str]) -> list[tuple[float, str]]:
