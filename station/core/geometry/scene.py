@@ -137,8 +137,8 @@ def read_object(values: object, where: str) -> SceneObject:
     if not entry or unknown:
         _refuse(where, f"is {values!r}", f"with keys of {sorted(_KEYS)}")
     name, kind = entry.get("name"), entry.get("type")
-    if not isinstance(name, str) or not name:
-        _refuse(f"{where}/name", f"is {name!r}", "a name")
+    if not isinstance(name, str) or not name or not name.isprintable():
+        _refuse(f"{where}/name", f"is {name!r}", "a name of printable characters")
     if not isinstance(kind, str) or kind not in _SIZES:
         _refuse(f"{where}/type", f"is {kind!r}", f"one of {sorted(_SIZES)}")
     file = entry.get("file", "")

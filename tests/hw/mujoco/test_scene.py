@@ -59,6 +59,7 @@ def test_ball_falls_onto_the_table_and_stays_there():
         ({"margin": 1e308}, "0 to 1000 m"),
         ({"links": "hand"}, "a list of names"),
         ({"name": ""}, "name' is ''"),
+        ({"name": "a\nb"}, "must be a name of printable characters"),
         ({"type": "mesh", "size": []}, "path of a mesh file"),
     ],
 )
