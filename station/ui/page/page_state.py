@@ -8,7 +8,10 @@ from station.ui.link.recovery import choose_recovery
 from station.ui.link.station_view import StationView, resources_of
 from station.ui.page.controller_offers import claims_text, command_units, offer_for
 from station.ui.page.load_examples import example_parameters, suggested_name
-from station.ui.teleoperation.commanded_controller import choose_for_joints
+from station.ui.teleoperation.commanded_controller import (
+    CommandedController,
+    choose_for_joints,
+)
 from station.wire import ControllerState, Status
 
 _DEFAULT_KIND = "JointGroupPositionController"
@@ -83,7 +86,7 @@ def page_state(view: StationView) -> dict[str, object]:
         "boot_id": "" if status is None else status.boot_id,
         "operated": {
             "names": [one.name for one in operated if one.name],
-            "reason": operated[0].reason,
+            "reason": operated[0].reason or _unknown_start(view, operated),
             "elements": [e.model_dump() for one in operated for e in one.elements],
         },
         "enabling": asdict(enabling(view)),
@@ -100,6 +103,17 @@ def page_state(view: StationView) -> dict[str, object]:
         "sliding": sorted(view.sliding),
         "joints": [name for name in view.positions if "finger" not in name],
     }
+
+
+def _unknown_start(view: StationView, operated: Iterable[CommandedController]) -> str:
+    """Return whose set-point is not known yet, so that its joints cannot move."""
+    unknown = (
+        one.name
+        for one in operated
+        if one.name and view.set_point_of(one.name, len(one.elements)) is None
+    )
+    name = next(unknown, "")
+    return f"Waiting for the first set-point of {name}." if name else ""
 
 
 def _without_overlap(controllers: Iterable[ControllerState]) -> list[ControllerState]:

@@ -6,7 +6,7 @@ import pytest
 
 from station.ui.page.page_state import enabling, page_state
 from station.wire import ClaimedResources, ControllerType
-from tests.ui.views import arm, controller, element, status, view
+from tests.ui.views import arm, controller, element, sample, status, view
 
 GROUP = "effort_controllers/JointGroupPositionController"
 
@@ -94,3 +94,15 @@ def test_an_arm_with_an_error_is_to_be_recovered_first():
 
 def _fields(seen):
     return {name: getattr(seen, name) for name in type(seen).__dataclass_fields__}
+
+
+def test_joints_wait_for_the_first_set_point_of_their_controller():
+    elements = {"one": (element(),)}
+    running = _group("one", "running")
+
+    waiting = page_state(view(running, elements=elements))["operated"]
+    known = page_state(view(running, elements=elements, samples={"one": sample(1.0)}))
+
+    assert waiting["names"] == ["one"]
+    assert waiting["reason"] == "Waiting for the first set-point of one."
+    assert known["operated"]["reason"] == ""
