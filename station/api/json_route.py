@@ -1,8 +1,9 @@
 """Routes that parse JSON fast, because parsing delays the control loop."""
 
 import json
+from collections import Counter
 from collections.abc import Callable, Coroutine
-from typing import Any
+from typing import Any, get_args, get_origin
 
 import orjson
 from fastapi import Request, Response
@@ -68,12 +69,13 @@ class JsonRequest(Request):
 
 
 class QueryRoute(APIRoute):
-    """A route that refuses unknown parameters of its query; reads slashes in names."""
+    """A route that refuses unknown or repeated parameters; reads slashes in names."""
 
     @override
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         handle = _with_names(super().get_route_handler())
-        known = _query_of(self.dependant)
+        takes_several = _query_of(self.dependant)
+        known = frozenset(takes_several)
         # A misspelt parameter must not be ignored, e.g. a certificate or a filter.
         if not _depends_on_access(self.dependant):
             return handle
@@ -82,10 +84,22 @@ class QueryRoute(APIRoute):
 
         async def handle_query(request: Request) -> Response:
             unknown = request.query_params.keys() - known
+            given = Counter(name for name, _ in request.query_params.multi_items())
+            # Of two values the last one would count, e.g. of two certificates.
+            twice = [n for n, often in given.items() if often > 1 and n in known]
+            repeated = [name for name in twice if not takes_several[name]]
             authenticator = services_of(request).authenticator
             # Only an authenticated caller learns the names of the parameters.
             if unknown and authenticator.access_of_headers(request.headers):
                 raise _unknown_query(sorted(unknown), known)
+            if repeated and authenticator.access_of_headers(request.headers):
+                raise ProblemError(
+                    422,
+                    "invalid_request",
+                    f"The query has the parameter '{repeated[0]}' "
+                    f"{given[repeated[0]]} times; it has one value.",
+                    "Give it once. Nothing changed.",
+                )
             return await handle(request)
 
         return handle_query
@@ -195,10 +209,19 @@ def _depends_on_access(dependant: Dependant) -> bool:
     )
 
 
-def _query_of(dependant: Dependant) -> frozenset[str]:
-    """Return the names of the query parameters of a route."""
-    names = {field.alias for field in dependant.query_params}
-    return frozenset(names).union(*map(_query_of, dependant.dependencies))
+def _query_of(dependant: Dependant) -> dict[str, bool]:
+    """Return for each query parameter of a route whether it takes several values."""
+    found = {
+        field.alias: _is_list(field.field_info.annotation)
+        for field in dependant.query_params
+    }
+    for one in dependant.dependencies:
+        found |= _query_of(one)
+    return found
+
+
+def _is_list(kind: object) -> bool:
+    return get_origin(kind) is list or any(map(_is_list, get_args(kind)))
 
 
 def _unknown_query(unknown: list[str], known: frozenset[str]) -> ProblemError:

@@ -166,3 +166,14 @@ def test_a_name_with_a_slash_is_unknown_as_any_other(operator, method, path, det
 
     assert answer.status_code == 404
     assert answer.json()["detail"].startswith(detail)
+
+
+def test_a_parameter_that_is_given_twice_is_refused_unless_it_takes_several(operator):
+    twice = operator.get("/api/v1/events?limit=1&limit=2")
+    several = operator.get("/api/v1/events?kind=stop&kind=switch")
+
+    problem = problem_of(twice, 422, "invalid_request")
+    assert problem["detail"] == (
+        "The query has the parameter 'limit' 2 times; it has one value."
+    )
+    assert several.status_code == 200
