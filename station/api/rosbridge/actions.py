@@ -51,6 +51,8 @@ _SEQUENCE = "control_msgs/ExecuteMotionPrimitiveSequence"
 _GRIPPER = "control_msgs/GripperCommand"
 REJECTED = 5
 """actionlib's status number of a refused goal."""
+_INVALID_GOAL = -1
+"""Error code of a trajectory's goal that fails without a code; 0 means success."""
 ACTIONLIB = {
     GoalStatus.PENDING: 0,
     GoalStatus.ACTIVE: 1,
@@ -254,7 +256,7 @@ class StationActions:
             # These are the names in the results of all actions; each action uses its
             # own.
             values: Values = {"error_string": error.message, "error": error.message}
-            values["error_code"] = error.details.get("error_code", 0)
+            values["error_code"] = error.details.get("error_code", _INVALID_GOAL)
             self._end(tracked, self._filled(action, "Result", values))
             raise
         tracked.task = asyncio.create_task(self._follow(tracked, tracked.running))
@@ -280,7 +282,8 @@ class StationActions:
                     running.poll, limiter=self.threads
                 )
             except StationError as error:
-                progress = Progress(GoalStatus.ABORTED, {}, error.message)
+                values = {"error_string": error.message, "error_code": _INVALID_GOAL}
+                progress = Progress(GoalStatus.ABORTED, values, error.message)
             status, tracked.text = progress.status, progress.text
             tracked.code = ACTIONLIB[status]
             part = "Result" if status in ROS2 else "Feedback"

@@ -164,8 +164,7 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
     unknown = next((key for key in values if key not in names), None)
     if unknown is not None:
         raise RosTypeError(
-            f"'{where}' has no field '{unknown!s:.60}'; a {kind.name} has "
-            f"{', '.join(names) or 'none'}.",
+            f"'{where}' has no field '{unknown!s:.60}'; it is a {kind.name}.",
             remedy=suggest(str(unknown), names),
         )
     return {
@@ -221,7 +220,8 @@ def _checked_one(kind: str, value: object, where: str) -> object:
         return _checked_time(kind, value, where)
     if kind in _LARGEST:
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not is_number or abs(value) > _LARGEST[kind]:  # type: ignore[arg-type]  # a number
+        # The comparison is false for NaN.
+        if not (is_number and abs(value) <= _LARGEST[kind]):  # type: ignore[arg-type]  # a number
             _refuse(where, value, f"a number ({kind})")
         return float(value)  # type: ignore[arg-type]  # a number
     if kind == "string" or kind == "bool":

@@ -8,10 +8,11 @@ import asyncio
 import hashlib
 import hmac
 import inspect
+import json
 import logging
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from difflib import get_close_matches
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -77,7 +78,7 @@ class Message(dict[str, Any]):
         try:
             found = orjson.loads(data)
         except ValueError as error:
-            raise RosTypeError(f"The message is not JSON: {error}.") from error
+            found = _with_nan(data, error)
         if not isinstance(found, dict):
             raise RosTypeError("The message is not a JSON object.")
         super().__init__(found)
@@ -208,7 +209,8 @@ class RosbridgeSession:
         """Return a topic; a message with a type may open a new topic of clients.
 
         Raises:
-            RosTypeError: The topic is unknown, or it has another type.
+            RosTypeError: The topic is unknown, or it has another type, or its name is
+                one of the station's.
         """
         name, kind = path_of(message["topic"]), str(message.get("type") or "")
         try:
@@ -216,6 +218,12 @@ class RosbridgeSession:
         except RosTypeError as error:
             if not opens or not kind or name in self._graph.topics:
                 raise
+            if self._graph.broker.is_reserved(name):
+                raise RosTypeError(
+                    error.message,
+                    remedy=f"{error.remedy} It would be a name of the station; choose "
+                    "another first part for a topic of clients.",
+                ) from error
             near = get_close_matches(name, self._graph.topics, 1, _ALIKE)
             found = self._graph.broker.open_topic(name, kind)
             # A client that comes before the publisher is usually right, and roslibpy
@@ -596,6 +604,28 @@ def _form_of(
     # A frame has about 100 characters around its part of the message.
     size = max(size, 100) if size else 0
     return Form(compression, split_style(str(type_name or ""))[1], size)
+
+
+def _with_nan(data: str | bytes, fault: ValueError) -> object:
+    """Return a message that has NaN or Infinity, as Python's clients write them.
+
+    JSON does not have them, but a field that may not have them is refused by its name.
+
+    Args:
+        data: The text.
+        fault: Why it is no JSON.
+
+    Raises:
+        RosTypeError: The text is no JSON in other places, too.
+    """
+    text = data if isinstance(data, str) else data.decode(errors="replace")
+    if "NaN" in text or "Infinity" in text:
+        with suppress(ValueError, TypeError):
+            found: object = json.loads(text)
+            # What cannot be written again, such as half a character, is no JSON.
+            orjson.dumps(found)
+            return found
+    raise RosTypeError(f"The message is not JSON: {fault}.") from fault
 
 
 def _number(message: Message, key: str, most: int) -> int:

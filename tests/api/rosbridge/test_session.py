@@ -176,6 +176,29 @@ def test_a_goal_that_is_refused_ends_as_rejected(client):
     assert "nose" in refused["values"]
 
 
+def test_a_goal_that_nobody_takes_has_no_error_code_of_success(client):
+    client.send("subscribe", topic=f"{ACTION}/result")
+    goal = {"goal": {"trajectory": TRAJECTORY}}
+    client.send("publish", topic=f"{ACTION}/goal", msg=goal)
+    found = client.until("publish")["msg"]
+    assert (found["status"]["status"], found["result"]["error_code"]) == (5, -1)
+    assert "running" in found["result"]["error_string"]
+
+
+def test_a_number_that_json_does_not_have_is_refused_by_its_field(client):
+    # Python's json writes NaN and Infinity.
+    client.send("publish", topic="/pose/command", msg={"data": [0.1, float("nan")]})
+    assert "'msg/data/1' is nan" in client.until("status")["msg"]
+    answer = client.call("/rosapi/get_param", {"name": float("inf")})
+    assert answer["values"] == "'args/name' is inf; it must be a text."
+
+
+@pytest.mark.parametrize("op", ["subscribe", "advertise"])
+def test_a_misspelt_topic_of_the_station_is_named_with_its_likeness(client, op):
+    client.send(op, topic="/pose/comand", type="std_msgs/Float64MultiArray")
+    assert "Did you mean '/pose/command'" in client.until("status")["msg"]
+
+
 def test_a_gain_is_set_by_dynamic_reconfigure(client, station):
     doubles = [{"name": "p", "value": 25.0}]
     for service in ("/single/joint1/pid/set_parameters", "/single/pid/set_parameters"):
