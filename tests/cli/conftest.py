@@ -447,7 +447,7 @@ class FakeTokens:
     def list(self):
         return [Token(name="ada", role="viewer", created=0.0, expires_at=None)]
 
-    def create(self, name, role, expires):
+    def create(self, name, role, expires=None):
         self._station.record("create", name, role, expires)
         return NewToken(
             name=name, role=role, created=0.0, expires_at=expires, token="secret"

@@ -1,13 +1,15 @@
 """Verbs `agents`, to answer requests of agents, and `mcp`, to serve an agent."""
 
 import asyncio
+import os
 import secrets
+import signal
 import sys
 from argparse import Namespace
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NoReturn
 
 from station.cli.connection import locate, open_client
 from station.cli.errors import UsageError
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from station.cli.parser import Parser
+    from station.client import StationClient
+    from station.wire import NewToken
 
     Verdict = Literal["allowed", "allowed_for_a_time", "refused"]
 
@@ -113,10 +117,38 @@ def _own_token(options: Namespace) -> "Iterator[tuple[str, str]]":
         if role == "agent" and token is not None:
             yield url, token
             return
-        name = options.name or f"agent-{secrets.token_hex(2)}"
-        made = client.tokens.create(name, "agent")
+        name, made = _made_token(client, options.name)
         sys.stderr.write(f"The agent is called {name}.\n")
+
+        def end(number: int, _: object) -> NoReturn:
+            # The loop would wait for its thread that reads stdin, perhaps for ever.
+            client.tokens.revoke(name)
+            os._exit(128 + number)
+
+        before = signal.signal(signal.SIGTERM, end)
         try:
             yield url, made.token
         finally:
+            signal.signal(signal.SIGTERM, before)
             client.tokens.revoke(name)
+
+
+def _made_token(client: "StationClient", wanted: str | None) -> "tuple[str, NewToken]":
+    """Make a token of the role `agent`; return the agent's name and the token.
+
+    If the name is taken, the agent gets a similar one: a host may start its server
+    twice, and a server that is killed leaves its token behind.
+
+    Raises:
+        ApiError: There are too many tokens, or the client may not make any.
+    """
+    unique = f"{wanted or 'agent'}-{secrets.token_hex(2)}"
+    from station.client import ApiError
+
+    if wanted is not None:
+        try:
+            return wanted, client.tokens.create(wanted, "agent")
+        except ApiError as error:
+            if error.code != "token_exists":
+                raise
+    return unique, client.tokens.create(unique, "agent")
