@@ -3,6 +3,7 @@
 import contextlib
 import json
 from collections.abc import AsyncIterator
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
@@ -15,7 +16,7 @@ from mcp.server.stdio import stdio_server
 from station.client import ApiError
 from station.client.connection import AsyncConnection
 from station.local.tls import trust
-from station.mcp.tools import StationTool, tools_of
+from station.mcp.tools import StationTool, in_terms_of_tools, tools_of
 from station.wire.protocol import PREFIX
 
 _JSON: type[Any] = object
@@ -88,7 +89,7 @@ class AgentServer:
         self._tools = tools_of(document)
         self._pages = pages
         self._journal = journal
-        self._refusal: ApiError | None = None
+        self._refusal: str | None = None
         self.server: Server[Any] = Server(
             "control-station",
             instructions=INSTRUCTIONS,
@@ -111,18 +112,24 @@ class AgentServer:
             return _result(await self._explain())
         tool = self._tools.get(name)
         if tool is None:
-            return _result(f"There is no tool '{name:.80}'.", is_error=True)
+            near = get_close_matches(name, self._tools, 1)
+            meant = f" Did you mean '{near[0]}'?" if near else ""
+            return self._refused(f"There is no tool '{name:.80}'.{meant}")
         try:
             async with self._control(tool):
                 answer = await self._send(tool, arguments)
         except ApiError as refused:
-            self._refusal = refused
-            return _result(_refusal(refused), is_error=True)
+            why = in_terms_of_tools(str(refused), self._tools.values())
+            return self._refused(f"Refused ({refused.code}): {why}")
         except ValueError as error:
-            return _result(str(error), is_error=True)
+            return self._refused(str(error))
         finally:
             self._note(name, arguments)
         return _result(json.dumps(answer))
+
+    def _refused(self, why: str) -> types.CallToolResult:
+        self._refusal = why
+        return _result(why, is_error=True)
 
     async def _send(self, tool: StationTool, arguments: dict[str, Any]) -> Any:  # noqa: ANN401 - any JSON
         path, query, body = tool.request(arguments)
@@ -165,9 +172,7 @@ class AgentServer:
                 file.write(json.dumps({"tool": name, "arguments": arguments}) + "\n")
 
     async def _explain(self) -> str:
-        why = "No call was refused."
-        if self._refusal is not None:
-            why = _refusal(self._refusal)
+        why = self._refusal or "No call was refused."
         try:
             found = await self._connection.get("/incidents", _JSON)
         except ApiError as refused:
@@ -249,7 +254,13 @@ class AgentServer:
     ) -> types.GetPromptResult:
         if asked.name not in PROMPTS:
             raise _no_such("prompt", asked.name)
-        subject = (asked.arguments or {}).get("subject", "the robot")
+        subject = (asked.arguments or {}).get("subject")
+        if not subject:
+            raise MCPError(
+                types.INVALID_PARAMS,
+                f"The prompt '{asked.name}' needs a 'subject': a controller, or a "
+                "robot.",
+            )
         text = PROMPTS[asked.name][1].format(subject=subject)
         message = types.PromptMessage(role="user", content=types.TextContent(text=text))
         return types.GetPromptResult(messages=[message])
@@ -322,7 +333,3 @@ def _text_of(result: types.CallToolResult) -> str:
 
 def _no_such(kind: str, name: str) -> MCPError:
     return MCPError(types.INVALID_PARAMS, f"There is no {kind} {name!r:.200}.")
-
-
-def _refusal(error: ApiError) -> str:
-    return f"Refused ({error.code}): {error}"

@@ -4,7 +4,8 @@ The document says of each operation whether agents may call it (`x-agent`), so a
 operation becomes a tool without a change here.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +13,7 @@ from station.client.connection import segment
 
 _REF = "#/components/schemas/"
 _BODY = "body"
+_ROUTE = re.compile(r"\b([A-Z]+) (/api/v1/[^\s'`,;.]+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +49,13 @@ class StationTool:
             ValueError: An argument is unknown, an argument of the path is missing, or
                 the body is not an object.
         """
-        unknown = arguments.keys() - self.places.keys() - {_BODY}
+        known = self.schema["properties"].keys()
+        unknown = arguments.keys() - known
         needed = {name for name, place in self.places.items() if place == "path"}
         if unknown or needed - arguments.keys():
             raise ValueError(
-                f"{self.name} takes {sorted({*self.places, _BODY})}, of which "
-                f"{sorted(needed)} are needed; given are {sorted(arguments)}."
+                f"{self.name} takes {_listed(known)}; it needs {_listed(needed)}; "
+                f"given is {_listed(arguments)}."
             )
         path, query = self.path, {}
         for name, place in self.places.items():
@@ -64,6 +67,29 @@ class StationTool:
         if body is not None and not isinstance(body, dict):
             raise ValueError(f"The body of {self.name} is an object, not {body!r:.80}.")
         return path, query, body
+
+
+def in_terms_of_tools(text: str, tools: Iterable[StationTool]) -> str:
+    """Return a text of the API that names tools in place of their routes.
+
+    Args:
+        text: What the station says, e.g. `GET /api/v1/control says who holds control.`
+        tools: The tools.
+    """
+
+    def named(route: re.Match[str]) -> str:
+        method, path = route.groups()
+        for tool in tools:
+            form = re.sub(r"\\{\w+\\}", "[^/]+", re.escape(tool.path))
+            if tool.method == method and re.fullmatch(form, path):
+                return f"`{tool.name}`"
+        return route[0]
+
+    return _ROUTE.sub(named, text)
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(f"'{name:.80}'" for name in sorted(names)) or "nothing"
 
 
 def tools_of(document: Mapping[str, Any]) -> dict[str, StationTool]:

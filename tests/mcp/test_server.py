@@ -107,8 +107,11 @@ def test_a_refusal_is_an_answer_that_explains_itself(run):
     ("tool", "arguments", "reason"),
     [
         ("create_token", {}, "There is no tool 'create_token'"),
-        ("get_gains", {}, "['name'] are needed"),
-        ("get_gains", {"name": "spring", "x": 1}, "given are ['name', 'x']"),
+        ("get_gains", {}, "it needs 'name'; given is nothing"),
+        ("get_gains", {"name": "spring", "x": 1}, "given is 'name', 'x'"),
+        ("get_gains", {"name": "spring", "body": {}}, "get_gains takes 'name';"),
+        ("get_gains", {"name": "nose"}, "`list_controllers` lists the loaded ones"),
+        ("get_status", {}, "Did you mean 'status'?"),
         ("get_gains", {"name": "../tokens"}, "route_not_found"),
         ("patch_gains", {"name": "spring", "body": 3}, "is an object"),
         ("patch_gains", {"name": "spring", "body": {"values": {"k": 11}}}, "10"),
@@ -119,6 +122,8 @@ def test_wrong_calls_are_refused(run, tool, arguments, reason):
         answer = await agent.call_tool(tool, arguments)
         assert answer.is_error
         assert reason in told(answer)
+        why = await agent.call_tool("explain_last_refusal", {})
+        assert reason in told(why)
         assert station.tuning.gains("spring").values["k"] == 2.0
 
     run(story)
@@ -138,6 +143,8 @@ def test_resources_and_prompts(run):
         assert "EffortJointInterface" in robot.contents[0].text
         with pytest.raises(MCPError, match="no resource"):
             await agent.read_resource("station://docs/../../etc/passwd")
+        with pytest.raises(MCPError, match="needs a 'subject'"):
+            await agent.get_prompt("tune", {})
         prompt = await agent.get_prompt("tune", {"subject": "spring"})
         assert "controller spring" in prompt.messages[0].content.text
 
