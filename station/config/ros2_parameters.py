@@ -8,15 +8,21 @@ several keys fit a node, values that come later in the file win.
 Source: ros2 rcl_yaml_param_parser; ros2_controllers@4.x, the parameters of each.
 """
 
+import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from station.core.errors import ConfigError, show
 
-_KEY = "ros__parameters"
+KEY = "ros__parameters"
+"""Key below which a file of ROS 2 has the parameters of a node."""
+NEARLY_KEY, NEARLY_TYPE = 0.9, 0.7
+"""Similarities from which a key is taken for these two, `ros__parameters` and `type`.
+`parameters` alone is no misspelling."""
 _MANAGER = "controller_manager"
 _TYPE = re.compile(r"[A-Za-z_][\w.]*[/:]+[A-Za-z_]\w*")
+_CLASS = re.compile(r"[A-Za-z_]\w*[/:]+[A-Z]\w*")
 _SEPARATORS = re.compile(r"[./]")
 Values = dict[str, Any]
 
@@ -24,7 +30,7 @@ Values = dict[str, Any]
 def is_ros2(values: object) -> bool:
     """Return whether a mapping has the parameters of a node of ROS 2 somewhere."""
     return isinstance(values, Mapping) and (
-        _KEY in values or any(is_ros2(child) for child in values.values())
+        KEY in values or any(is_ros2(child) for child in values.values())
     )
 
 
@@ -62,6 +68,8 @@ def read_ros2(
         # The wildcards of a pattern are no part of a namespace.
         space = tuple(part for part in path[:-1] if "*" not in part)
         for key, value in params.items() if is_manager else own.items():
+            if is_manager:
+                _refuse_half_a_type(value, f"{name}: /{'/'.join(path)}/{key}")
             if isinstance(value, dict) and _is_type(value.get("type")):
                 place = (*space, key or path[-1])
                 found[place] = {**found.get(place, {}), "type": value["type"]}
@@ -90,15 +98,58 @@ def _nodes(
 ) -> Iterator[tuple[tuple[str, ...], Values]]:
     for key, value in values.items():
         place = (*path, *(part for part in str(key).split("/") if part))
-        if key == _KEY:
+        if key == KEY:
             if not isinstance(value, dict):
                 raise ConfigError(
-                    [f"{name}: /{'/'.join(path)}/{_KEY} is {show(value)}."],
+                    [f"{name}: /{'/'.join(path)}/{KEY} is {show(value)}."],
                     remedy="Write the parameters of the node below it.",
                 )
             yield path or ("**",), _nested(value)
         elif isinstance(value, Mapping):
+            refuse_near(str(key), [KEY], NEARLY_KEY, f"{name}: /{'/'.join(place)}")
             yield from _nodes(value, place, name)
+
+
+def refuse_near(key: str, known: Sequence[str], nearly: float, place: str) -> None:
+    """Refuse a key that has no effect, because it is another one misspelt.
+
+    Args:
+        key: The key.
+        known: The keys that it may be.
+        nearly: Similarity from which it counts as misspelt.
+        place: File and path of the key for the message.
+
+    Raises:
+        ConfigError: The key resembles one of the others.
+    """
+    meant = difflib.get_close_matches(key.lower(), known, 1, nearly)
+    if key not in known and meant:
+        raise ConfigError(
+            [f"{place} has no effect. Did you mean '{meant[0]}'?"],
+            remedy="Correct the name, or leave the key out.",
+        )
+
+
+def _refuse_half_a_type(value: object, place: str) -> None:
+    """Refuse a parameter of a manager that says only half of a controller.
+
+    Raises:
+        ConfigError: It has no type of a controller, although it looks like one.
+    """
+    wrong, where = value, place
+    if isinstance(value, dict):
+        for key, kind in value.items():
+            if _is_type(kind):
+                refuse_near(key, ["type"], NEARLY_TYPE, f"{place}/{key}")
+        if "type" not in value or _is_type(value["type"]):
+            return
+        wrong, where = value["type"], f"{place}/type"
+    elif not (isinstance(value, str) and _CLASS.fullmatch(value)):
+        return
+    raise ConfigError(
+        [f"{where} is {show(wrong)}."],
+        remedy="Write the type of a controller as `NAME: {type: package/Class}`.",
+    )
 
 
 def _nested(values: Mapping[str, object]) -> Values:
@@ -162,6 +213,23 @@ _KINDS = {
 }
 
 
+def _group(params: Values, key: str, place: str) -> Values:
+    """Return the parameters below a key, which are none if it is left empty.
+
+    Raises:
+        ConfigError: A value stands in their place.
+    """
+    value = params.get(key)
+    if value is None:
+        return {}
+    if not isinstance(value, dict):
+        raise ConfigError(
+            [f"{place}{key} is {show(value)}."],
+            remedy="Write a mapping of parameters below it.",
+        )
+    return value
+
+
 def _kind(interfaces: object, place: str) -> str:
     if isinstance(interfaces, list):
         kind = _KINDS.get(tuple(map(str, interfaces)))
@@ -184,10 +252,12 @@ def _trajectory(params: Values, place: str) -> Values:
     joints = params.pop("command_joints", None) or params.get("joints")
     params["joints"] = joints
     # ROS 2 has the feed-forward gain of the velocity among the gains of a joint.
-    for joint, gains in (params.get("gains") or {}).items():
-        scale = gains.pop("ff_velocity_scale", None)
+    gains = _group(params, "gains", f"{place}: ")
+    for joint in gains:
+        scale = _group(gains, joint, f"{place}: gains/").pop("ff_velocity_scale", None)
         if scale is not None:
-            params.setdefault("velocity_ff", {})[joint] = scale
+            forward = _group(params, "velocity_ff", f"{place}: ")
+            params["velocity_ff"] = {**forward, joint: scale}
     return params
 
 
@@ -213,7 +283,7 @@ def _imu(params: Values, place: str) -> Values:  # noqa: ARG001 - as the others
     return params
 
 
-def _diff_drive(params: Values, place: str) -> Values:  # noqa: ARG001 - as the others
+def _diff_drive(params: Values, place: str) -> Values:
     for side in ("left", "right"):
         if f"{side}_wheel_names" in params:
             params[f"{side}_wheel"] = params.pop(f"{side}_wheel_names")
@@ -227,8 +297,10 @@ def _diff_drive(params: Values, place: str) -> Values:  # noqa: ARG001 - as the 
     if "publish_limited_velocity" in params:
         params["publish_cmd"] = params.pop("publish_limited_velocity")
     # In ROS 2 a limit holds if it is given; ros_control needs a flag, too.
-    for part in (params.get("linear", {}).get("x"), params.get("angular", {}).get("z")):
-        for kind in ("velocity", "acceleration", "jerk") if part else ():
+    for group, axis in (("linear", "x"), ("angular", "z")):
+        limits = _group(params, group, f"{place}: ")
+        part = _group(limits, axis, f"{place}: {group}/")
+        for kind in ("velocity", "acceleration", "jerk"):
             if f"max_{kind}" in part:
                 part.setdefault(f"has_{kind}_limits", True)
     return params

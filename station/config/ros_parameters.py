@@ -5,13 +5,19 @@ namespace of a controller manager. A station has a single manager, so the namesp
 dropped.
 """
 
-import difflib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NoReturn, TypeVar
+from typing import Any, TypeVar
 
-from station.config.ros2_parameters import is_ros2, read_ros2
+from station.config.ros2_parameters import (
+    KEY,
+    NEARLY_KEY,
+    NEARLY_TYPE,
+    is_ros2,
+    read_ros2,
+    refuse_near,
+)
 from station.core.errors import ConfigError, show
 
 _SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")
@@ -118,6 +124,7 @@ def _collect(
 ) -> None:
     for key, value in values.items():
         path = f"{namespace}/{key.strip('/')}"
+        refuse_near(key, [KEY], NEARLY_KEY, f"{name}: {path}")
         if isinstance(value, dict) and _is_controller(value):
             _add(found.controllers, path, value, name)
             found.paths[path.rpartition("/")[2]] = path
@@ -131,22 +138,12 @@ def _collect(
 
 def _refuse_misspelling(path: str, value: object, name: str) -> None:
     """Refuse a key that would have no effect because of its spelling."""
-    key = path.rpartition("/")[2]
-    meant = difflib.get_close_matches(key, _ROOT_KEYS, 1, _NEARLY)
-    if key not in _ROOT_KEYS and meant:
-        _refuse_key(path, meant[0], name)
+    refuse_near(path.rpartition("/")[2], _ROOT_KEYS, _NEARLY, f"{name}: {path}")
     # Without `type`, a controller would be taken for other parameters.
     for inner, kind in value.items() if isinstance(value, dict) else ():
         is_type = isinstance(kind, str) and _TYPE.fullmatch(kind) is not None
-        if is_type and difflib.get_close_matches(inner.lower(), ["type"], 1, 0.7):
-            _refuse_key(f"{path}/{inner}", "type", name)
-
-
-def _refuse_key(path: str, meant: str, name: str) -> NoReturn:
-    raise ConfigError(
-        [f"{name}: {path} has no effect. Did you mean '{meant}'?"],
-        remedy="Correct the name, or leave the key out.",
-    )
+        if is_type:
+            refuse_near(inner, ["type"], NEARLY_TYPE, f"{name}: {path}/{inner}")
 
 
 def _add(found: dict[str, T], path: str, value: T, name: str) -> None:

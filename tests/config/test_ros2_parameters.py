@@ -30,6 +30,11 @@ force:
   ros__parameters: {sensor_name: wrist, frame_id: tool}
 """
 
+BASE = """
+b: {{ros__parameters: {{type: diff_drive_controller/DiffDriveController, {}}}}}
+"""
+MANAGER = "controller_manager: {{ros__parameters: {{a: {}}}}}"
+
 
 def read(text):
     return split_ros_parameters(yaml.safe_load(text), "f.yaml")
@@ -170,11 +175,27 @@ base:
         ("arm: {ros__parameters: 3}", "/arm/ros__parameters is 3"),
         (FILE.replace("[effort]", "[voltage]"), "interfaces are .'voltage'."),
         (FILE.replace("    command_interfaces: [effort]\n", ""), "interfaces are None"),
+        (FILE.replace("gains.j1: {p: 10.0", "gains: {p: 10.0"), "gains/p is 10.0"),
+        (FILE.replace("gains.j1: {", "velocity_ff: 3\n    gains.j1: {"), "_ff is 3"),
+        (FILE.replace("gains.j1:", "gains: 5\n    more:"), "arm: gains is 5"),
+        (BASE.format("linear: [1]"), "b: linear is .1."),
+        (BASE.format("angular.z: 2.0"), "b: angular/z is 2.0"),
+        (FILE.replace("ros__parameters:\n    joints", "ros_parameters:\n    joints"),
+         "arm/ros_parameters has no effect. Did you mean 'ros__parameters'"),
+        ("a: {ros_parameters: {b: {type: p/T}}}", "Did you mean 'ros__parameters'"),
+        (MANAGER.format("{type: [p/T]}"), "controller_manager/a/type is .'p/T'."),
+        (MANAGER.format("{typ: p/T}"), "controller_manager/a/typ has no effect"),
+        (MANAGER.format("p/Type"), "controller_manager/a is 'p/Type'"),
     ],
-)
+)  # fmt: skip
 def test_what_does_not_fit_is_refused(text, words):
     with pytest.raises(ConfigError, match=words):
         read(text)
+
+
+def test_a_group_without_parameters_is_empty():
+    found = read(BASE.format("linear: , angular.z: {max_velocity: 2.0}"))
+    assert found.controllers["b"]["angular"]["z"]["has_velocity_limits"]
 
 
 def test_variables_are_those_of_the_configuration(tmp_path):
