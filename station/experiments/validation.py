@@ -150,7 +150,8 @@ def _repairs(world: TrialWorld) -> Check:
 def _loading(world: TrialWorld) -> Iterator[Check]:
     for controller in world.station.facade.controllers():
         name = f"controller {controller.name} loads"
-        yield Check(name, "passed", f"It is a {controller.type}.")
+        told = " ".join([f"It is a {controller.type}.", *controller.notes])
+        yield Check(name, "passed", told)
     for missing, error in world.station.not_loaded.items():
         why = f"{error.message} {error.remedy}".strip()
         yield Check(f"controller {missing} loads", "failed", why)

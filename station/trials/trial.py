@@ -147,6 +147,8 @@ class Setup:
         """Return the setup of a loaded configuration."""
         values = config.model_dump(mode="json", exclude=set(_NOT_OF_A_TRIAL))
         values["parameters"] = config.parameters
+        if config.ros_controllers:
+            values["ros_controllers"] = sorted(config.ros_controllers)
         return cls(canonical(values))
 
     def with_controllers(self, loaded: Mapping[str, Mapping[str, object]]) -> Self:
@@ -175,7 +177,9 @@ class Setup:
     def config(self) -> StationConfig:
         """Return the configuration."""
         defaults = load_config().model_dump(mode="json", include=set(_NOT_OF_A_TRIAL))
-        return StationConfig.model_validate({**defaults, **json.loads(self.text)})
+        values = {**defaults, **json.loads(self.text)}
+        names = frozenset(values.pop("ros_controllers", ()))
+        return StationConfig.model_validate({**values, "ros_controllers": names})
 
 
 def canonical(data: object) -> str:

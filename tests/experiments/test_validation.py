@@ -104,3 +104,27 @@ def test_default_station_is_good():
     assert (
         outcomes(card)["effort_joint_trajectory_controller reaches a goal"] == "passed"
     )
+
+
+def test_an_unknown_parameter_of_a_file_of_ros_is_told_as_by_a_station(tmp_path):
+    (tmp_path / "two.urdf").write_text(URDF)
+    (tmp_path / "ros.yaml").write_text("""
+lifter:
+  ros__parameters:
+    type: joint_trajectory_controller/JointTrajectoryController
+    joints: [lift]
+    command_interfaces: [effort]
+    gains.lift: {p: 10.0, i: 0.0, d: 1.0}
+    open_loop_control: true
+""")
+    robot = {
+        "type": "mujoco_hw/MujocoRobotHW",
+        "robot_description": str(tmp_path / "two.urdf"),
+    }
+
+    setup = Setup.load({"robot": robot}, controllers=[tmp_path / "ros.yaml"])
+    card = validate(setup, "two")
+
+    (loaded,) = [c for c in card.checks if c.name == "controller lifter loads"]
+    assert loaded.outcome == "passed", loaded
+    assert "parameter 'open_loop_control' is unknown" in loaded.detail
