@@ -70,7 +70,7 @@ def check_collision_behavior(behavior: CollisionBehavior) -> None:
         value = list(getattr(behavior, field))
         raise InvalidCommandError(
             f"The collision threshold '{field}' is {value}; it must be {allowed}.",
-            remedy=f"Give {allowed}.",
+            remedy="Give all thresholds, also those that stay as they are.",
             details=field_error(field, f"must be {allowed}", value),
         )
 
