@@ -58,7 +58,8 @@ def make_recorder(
     store = RecordStore(folder, Quota(section.max_bytes, section.max_count))
     incidents = None
     if section.incidents:
-        incidents = RecordStore(folder / "incidents", Quota(count=section.incidents))
+        quota = Quota(count=section.incidents)
+        incidents = RecordStore(folder / "incidents", quota, "incident")
     # Files may have many gigabytes, so recover them in a thread while the station
     # starts.
     threading.Thread(

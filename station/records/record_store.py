@@ -111,6 +111,7 @@ class RecordStore:
     Args:
         folder: Folder of the files; made with the first recording.
         quota: Limits of the folder's size; None for the default limits.
+        noun: Noun for one of them in messages.
         now: Returns the wall time [s since 1970].
     """
 
@@ -118,9 +119,11 @@ class RecordStore:
         self,
         folder: Path,
         quota: Quota | None = None,
+        noun: str = "recording",
         now: Callable[[], float] = time.time,
     ) -> None:
         self.folder = folder
+        self.noun = noun
         self.quota = quota or Quota()
         self._now = now
 
@@ -239,12 +242,12 @@ class RecordStore:
         if named:
             which = [one.identifier for one in named]
             raise RecordingRefusedError(
-                f"{len(named)} recordings are called '{identifier}'.",
+                f"{len(named)} {self.noun}s are called '{identifier}'.",
                 remedy=f"Say which one: {', '.join(which[-_MOST_NAMED:])}.",
                 details={"id": identifier, "candidates": which},
             )
         raise RecordingNotFoundError(
-            f"There is no recording '{identifier}'.",
+            f"There is no {self.noun} '{identifier}'.",
             remedy=suggest(identifier, [one.identifier for one in infos]),
             details={"id": identifier},
         )

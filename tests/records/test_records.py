@@ -279,3 +279,8 @@ def test_all_folders_are_private(tmp_path):
 
     for one in (folder, folder.parent, folder.parent.parent):
         assert stat.S_IMODE(one.stat().st_mode) == 0o700
+
+
+def test_a_store_of_incidents_calls_them_so(tmp_path):
+    with pytest.raises(RecordingNotFoundError, match="There is no incident 'x'"):
+        RecordStore(tmp_path, noun="incident").info("x")

@@ -45,8 +45,9 @@ async def get_stop(station: StationDep) -> StopState:
 async def stop(station: StationDep, role: RoleDep, request: Request) -> StopState:
     """Stop every controller in the next cycle; every token allows this.
 
-    The body is optional; an unreadable body is ignored. A second stop changes nothing.
-    Nothing moves until the stop is released and armed.
+    The body is optional; an unreadable body is ignored. A second stop has another
+    reason and makes commands void once more. Nothing moves until the stop is released
+    and armed.
     """
     station.stop(await _reason(request) or f"The {role.value} asked for it.")
     await _carried_out(station.loop.stop_latch)

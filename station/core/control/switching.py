@@ -347,6 +347,7 @@ def _known(
     draft: _Draft, wanted: Iterable[str], names: list[str], verb: str
 ) -> list[str]:
     known: list[str] = []
+    what_to_do = "Load it first." if verb == "start" else f"Leave it out of '{verb}'."
     for name in wanted:
         if name in names:
             known.append(name)
@@ -354,7 +355,7 @@ def _known(
         draft.object_to(
             name,
             f"cannot {verb}: it is not loaded",
-            f"{suggest(name, names)} Load it first.",
+            f"{suggest(name, names)} {what_to_do}",
         )
     return known
 

@@ -18,7 +18,12 @@ from station.core.control.hardware_components import ComponentState
 from station.core.control.loading import LOAD_TIMEOUT
 from station.core.control.switching import Strictness, SwitchRequest, SwitchResult
 from station.core.description.repair import Repair
-from station.core.errors import ControllerExistsError, LoopError, ParameterError
+from station.core.errors import (
+    ControllerExistsError,
+    LoopError,
+    ParameterError,
+    suggest,
+)
 from station.core.facade.gain_tuning import GainTuning
 from station.core.facade.input_log import InputLog
 from station.core.facade.motion_commands import MotionCommands
@@ -539,10 +544,21 @@ class Station:
         if not isinstance(chosen, str):
             raise ParameterError(
                 f"Controller '{name}' has no type.",
-                remedy="Name its type, one of those that can be loaded.",
+                remedy="Name its type, one of those that can be loaded"
+                f"{self._configured(name)}",
                 details={"parameter": f"{name}/type"},
             )
         return {**wanted, "type": chosen}
+
+    def _configured(self, name: str) -> str:
+        """Return the end of a remedy, which tells the controllers with a type."""
+        tree = self.parameters.get("")
+        typed = [
+            key
+            for key, value in (tree if isinstance(tree, dict) else {}).items()
+            if key not in self._reserved and isinstance(value, dict) and "type" in value
+        ]
+        return f", or a configured controller. {suggest(name, typed)}" if typed else "."
 
     def _restore(self, name: str, before: object) -> None:
         if before is None:

@@ -37,7 +37,7 @@ def test_sets_are_listed_and_deleted(spring):
         (lambda sets: sets.get("nothing"), 404),
         (lambda sets: sets.delete("nothing"), 404),
         (lambda sets: sets.apply("nothing"), 404),
-        (lambda sets: sets.save("../x"), 404),
+        (lambda sets: sets.save("../x"), 422),
         (lambda sets: sets.save("-"), 422),
         (lambda sets: sets.save("soft", ["nobody"]), 404),
         (lambda sets: sets.undo(), 409),

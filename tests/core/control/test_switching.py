@@ -75,6 +75,17 @@ def test_strict_refuses_with_the_reason(start, stop, words):
     assert caught.value.remedy
 
 
+@pytest.mark.parametrize(
+    ("start", "stop", "remedy"),
+    [(["nope"], [], "Load it first."), ([], ["nope"], "Leave it out of 'stop'.")],
+)
+def test_an_unknown_controller_is_told_with_what_helps(start, stop, remedy):
+    with pytest.raises(SwitchRefusedError) as caught:
+        plan_switch(LOADED, SwitchRequest(start, stop))
+
+    assert caught.value.remedy.endswith(remedy)
+
+
 def test_best_effort_leaves_out_what_is_impossible_and_says_so():
     request = SwitchRequest(["a", "nope", "b"], ["c", "nope"], BEST_EFFORT)
 

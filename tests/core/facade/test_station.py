@@ -147,6 +147,15 @@ def test_a_controller_without_a_type_is_refused(station):
         station.load_controller("a")
 
 
+def test_a_misspelt_controller_without_a_type_is_told_with_those_configured(station):
+    station.parameters.set("robot", {"type": "test/OneJoint"})
+    station.parameters.set("sprung", {"type": "test/Spring", "joint": "j"})
+
+    with pytest.raises(ParameterError, match="'sprnug' has no type") as caught:
+        station.load_controller("sprnug")
+    assert caught.value.remedy.endswith("a configured controller. There are: sprung.")
+
+
 def test_a_set_point_reaches_the_robot_in_the_next_cycle(running):
     assert running.motion.set_command("spring", [0.5]) == running.epoch
     running.loop.step()
