@@ -2,6 +2,7 @@
 
 import asyncio
 import gc
+import logging
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -150,6 +151,20 @@ def prompt_servers() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(uvicorn.server, "asyncio", hasty)
         yield
+
+
+@pytest.fixture
+def log_as_before() -> Iterator[None]:
+    """Take away what the test lets the process log with.
+
+    A handler that is left writes each warning of later tests, into a closed file.
+    """
+    root, station = logging.getLogger(), logging.getLogger("station")
+    before, level = root.handlers[:], station.level
+    yield
+    for handler in [each for each in root.handlers if each not in before]:
+        root.removeHandler(handler)
+    station.setLevel(level)
 
 
 @pytest.fixture(autouse=True)

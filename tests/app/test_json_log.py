@@ -8,16 +8,13 @@ import pytest
 
 from station.app.json_log import JsonFormatter, set_up_log
 
+pytestmark = pytest.mark.usefixtures("log_as_before")
+
 
 @pytest.fixture
 def log():
-    """Return a logger, and give all as they were afterwards."""
-    root, station = logging.getLogger(), logging.getLogger("station")
-    before, level = root.handlers[:], station.level
-    yield logging.getLogger("station.test")
-    for handler in [each for each in root.handlers if each not in before]:
-        root.removeHandler(handler)
-    station.setLevel(level)
+    """Return a logger."""
+    return logging.getLogger("station.test")
 
 
 def read(text):

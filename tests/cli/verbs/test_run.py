@@ -12,6 +12,8 @@ from station.cli.main import main
 from station.cli.parser import parse
 from station.hw.franka.fci.server.fci_server import FciCounts
 
+pytestmark = pytest.mark.usefixtures("log_as_before")
+
 ANNOUNCEMENT = Announcement(
     "http://a",
     "http://u",
