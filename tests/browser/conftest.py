@@ -32,6 +32,11 @@ FLAGS = [
     "--disable-sync",
 ]
 ARTIFACTS = Path("artifacts")
+RATE = 250
+"""Cycles a second of a station: at 1 kHz it takes the processor that the browser needs.
+
+A simulated Panda stays at 1 kHz.
+"""
 _READY_LINES = 20
 # Drawn in software, a picture of the arm takes longer than what a test waits for. All
 # but the drawing happens: the scene, its matrices, what the pointer hits, the count of
@@ -77,11 +82,11 @@ def browser():
 
 
 @contextmanager
-def run_station(home, *arguments):
+def run_station(home, *arguments, rate=RATE):
     """`station run` with more arguments, with its files in `home`."""
     command = [sys.executable, "-m", "station", "run", "--port", "0", "--ui-port", "0"]
     with subprocess.Popen(
-        [*command, "--json", *arguments],
+        [*command, "--json", "--rate", str(rate), *arguments],
         stdout=subprocess.PIPE,
         text=True,
         env={

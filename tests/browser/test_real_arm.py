@@ -37,7 +37,7 @@ def test_the_dock_of_the_simulation_is_not_there_for_a_real_robot(
     ) as arm:
         try:
             assert ARM_HOST in arm.stdout.readline()
-            with run_station(tmp_path, str(config)) as running:
+            with run_station(tmp_path, str(config), rate=1000) as running:
                 _expect_no_simulation(browser, running)
         finally:
             arm.terminate()

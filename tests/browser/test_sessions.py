@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from station.client import StationClient
-from tests.browser.conftest import free_ports
+from tests.browser.conftest import RATE, free_ports
 from tests.browser.workspace_page import (
     CONTROLLER,
     OTHER,
@@ -42,7 +42,7 @@ class _Place:
         config = home / "station.yaml"
         config.write_text("watchdog: {end_after: 600}\n")
         ports = ["--port", str(ports[0]), "--ui-port", str(ports[1])]
-        self.arguments = [str(config), *ports]
+        self.arguments = [str(config), "--rate", str(RATE), *ports]
         self.processes = []
 
     def run(self, *command):

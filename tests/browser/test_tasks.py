@@ -92,8 +92,7 @@ def running_station(tmp_path_factory):
     """A station with a cube before the arm, and a table at its right."""
     home = tmp_path_factory.mktemp("station")
     (home / "station.yaml").write_text(SCENE)
-    # At 1 kHz a task takes a third more processor time; the arm itself stays at 1 kHz.
-    with run_station(home, "--rate", "250", str(home / "station.yaml")) as running:
+    with run_station(home, str(home / "station.yaml")) as running:
         yield running
 
 

@@ -12,9 +12,7 @@ from tests.browser.workspace_page import allow_motion, run_alone, without_scene
 @pytest.fixture(scope="package")
 def shared_station(tmp_path_factory):
     """The station, and a function that lets it be as one that has just started."""
-    # At 1 kHz a station at rest takes 40 % of a processor, which the browser needs.
-    home = tmp_path_factory.mktemp("station")
-    with run_station(home, "--rate", "250") as running:
+    with run_station(tmp_path_factory.mktemp("station")) as running:
         with StationClient(running.api, running.token) as client:
             names = [one.name for one in client.controllers()]
             gains = {name: client.gains(name).values for name in names}
