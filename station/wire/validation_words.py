@@ -86,7 +86,7 @@ def explain_json(body: object, position: int, why: str) -> str:
 
 
 def _names(pattern: str) -> str:
-    """Return what a pattern of names allows; other patterns are told as they are."""
+    """Return the words for a pattern of names; another pattern is given as it is."""
     signs = _SIGNS.get(pattern.replace("(", "").replace(")?", ""))
     if signs is None:
         return f"must match {pattern}"

@@ -78,6 +78,11 @@ class OneJointHW(RobotHW):
         efforts.register_handle(JointHandle(state, [0.0]))
         self.register_interface(states)
         self.register_interface(efforts)
+        self.present_mode = super().mode()
+
+    def mode(self):
+        """Return the mode that a test has set."""
+        return self.present_mode
 
 
 def make_station(clock=None):

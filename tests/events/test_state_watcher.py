@@ -167,7 +167,7 @@ def test_mode_in_which_an_arm_cannot_move_is_an_error_with_its_remedy(
         "left", RobotMode.OTHER, is_connected=True, errors=(), remedy=todo
     )
     monkeypatch.setattr(watcher._arms, "reports", lambda: [report])
-    monkeypatch.setattr(station.loop.hw, "mode", lambda: "other")
+    station.loop.hw.present_mode = "other"
     station.loop.step()
     watcher.look()
 

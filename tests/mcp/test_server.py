@@ -112,7 +112,7 @@ def test_a_refusal_is_an_answer_that_explains_itself(run):
         ("get_gains", {"name": "spring", "body": {}}, "get_gains takes 'name';"),
         ("get_gains", {"name": "nose"}, "`list_controllers` lists the loaded ones"),
         ("get_status", {}, "Did you mean 'status'?"),
-        ("get_gains", {"name": "../tokens"}, "route_not_found"),
+        ("get_gains", {"name": "../tokens"}, "No controller '../tokens' is loaded"),
         ("patch_gains", {"name": "spring", "body": 3}, "is an object"),
         ("patch_gains", {"name": "spring", "body": {"values": {"k": 11}}}, "10"),
     ],

@@ -106,7 +106,7 @@ def page_state(view: StationView) -> dict[str, object]:
 
 
 def _unknown_start(view: StationView, operated: Iterable[CommandedController]) -> str:
-    """Return whose set-point is not known yet, so that its joints cannot move."""
+    """Return a sentence while a set-point is not known; joints cannot move then."""
     unknown = (
         one.name
         for one in operated
