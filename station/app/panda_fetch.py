@@ -133,9 +133,25 @@ def _installer() -> list[str]:
     if uv is not None:
         # Without the cache, which would keep all 430 MB.
         return [uv, "pip", "install", "--no-cache", "--python", sys.executable]
-    if find_spec("pip") is not None:
-        return [sys.executable, "-m", "pip", "install", "--no-cache-dir"]
+    # `make setup` leaves the virtual environment without pip where the Python that made
+    # it has one.
+    base = getattr(sys, "_base_executable", sys.executable)
+    for python in dict.fromkeys((sys.executable, base)):
+        if _has_pip(python):
+            return [python, "-m", "pip", "install", "--no-cache-dir"]
     raise PandaNotFetchedError("neither uv nor pip is installed")
+
+
+def _has_pip(python: str) -> bool:
+    if python == sys.executable:
+        return find_spec("pip") is not None
+    asked = subprocess.run(
+        [python, "-m", "pip", "--version"],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        check=False,
+    )
+    return asked.returncode == 0
 
 
 def _choose(source: Path, target: Path) -> None:

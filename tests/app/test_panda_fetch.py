@@ -133,9 +133,31 @@ def test_uv_or_pip_downloads_the_pinned_wheel(commands, monkeypatch, has_uv, has
     assert "--only-binary" in command
 
 
-def test_without_an_installer_the_refusal_says_so(monkeypatch):
+def python_without(tmp_path, monkeypatch, script):
+    """Leave this Python without installers; a script is the one that it is based on."""
+    python = tmp_path / "python3"
+    python.write_text(f"#!/bin/sh\n{script}\n")
+    python.chmod(0o755)
     monkeypatch.setattr(panda_fetch.shutil, "which", lambda *_, **__: None)
     monkeypatch.setattr(panda_fetch, "find_spec", lambda _: None)
+    monkeypatch.setattr(sys, "_base_executable", str(python))
+
+
+def test_pip_of_the_python_below_the_environment_downloads(tmp_path, monkeypatch):
+    calls = tmp_path / "calls"
+    python_without(tmp_path, monkeypatch, f'echo "$*" >> {calls}')
+
+    with pytest.raises(RobotDescriptionError, match="is missing in the wheel"):
+        fetch_panda(lambda _: None)
+
+    version, install = calls.read_text().splitlines()
+    assert version == "-m pip --version"
+    assert install.startswith("-m pip install --no-cache-dir")
+    assert install.endswith(f"example-robot-data=={VERSION}")
+
+
+def test_without_an_installer_the_refusal_says_so(tmp_path, monkeypatch):
+    python_without(tmp_path, monkeypatch, "exit 1")
 
     with pytest.raises(RobotDescriptionError, match="neither uv nor pip"):
         fetch_panda(lambda _: None)
