@@ -95,6 +95,24 @@ def test_the_dark_page_differs_in_its_colours_alone():
     assert all(re.fullmatch(r"--[\w-]+: #\w+|", line) for line in lines)
 
 
+OVERLAP = """() => {
+  const box = (each) => each.getBoundingClientRect();
+  const facts = [...document.querySelectorAll(".facts > div")].map(box);
+  const actions = box(document.querySelector("#bar .actions"));
+  return facts.some((fact) => fact.right > actions.left && fact.top < actions.bottom);
+}"""
+
+
+def test_facts_and_buttons_of_the_bar_never_overlap(page):
+    overlapping = []
+    for width in range(1000, 1700, 20):
+        _resize(page, width, 800)
+        if page.evaluate(OVERLAP):
+            overlapping.append(width)
+
+    assert overlapping == []
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_no_text_is_cut_nothing_is_covered_and_a_stop_moves_nothing(page, size):
     _resize(page, *SIZES[size])
