@@ -144,7 +144,8 @@ def test_an_impossible_range_of_an_envelope_is_refused(bounds, message):
         (
             "api",
             {"host": "h", "port": 0, "token": "short"},
-            "api.token is 'short'; it must be text of 8 characters or more.",
+            "api.token is a text of 5 characters; it must be text of 8 characters or "
+            "more.",
         ),
         (
             "api",
