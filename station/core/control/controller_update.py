@@ -93,6 +93,7 @@ class ControllerUpdate:
         self.lifecycle = lifecycle
         self.gate = lifecycle.gate
         self.hw = lifecycle.hw
+        # Bound once, because looking up a method in every cycle takes time.
         self.is_interrupted = lifecycle.hw.is_interrupted
         self.interrupted: tuple[str, ...] = ()
         self.changes = StateChanges()

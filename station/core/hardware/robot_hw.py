@@ -478,7 +478,8 @@ class RobotHW(InterfaceManager):
         """Return whether the robot no longer carries out the commands of controllers.
 
         Called in the control thread once per cycle, after `read`: must be cheap. When
-        it is true, the manager asks `interruption_of` for every running controller.
+        it is true, the manager asks `interruption_of` for every running controller. The
+        manager looks the method up once, when it is made, because that takes time.
         """
         return False
 
@@ -527,7 +528,8 @@ class RobotHW(InterfaceManager):
     def mode(self) -> str:
         """Return the robot's mode in one word, for status displays.
 
-        Called in the control thread once per cycle: return a constant string.
+        Called in the control thread once per cycle: return a constant string. The loop
+        looks the method up once, when it is made, because that takes time.
         """
         return "running"
 
