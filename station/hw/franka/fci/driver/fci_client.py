@@ -4,18 +4,12 @@ Source: libfranka@0.9.2 src/network.h, connect; src/robot_impl.h, executeCommand
 """
 
 from collections.abc import Mapping
-from enum import IntEnum
-from typing import Any, Generic, Protocol, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias
 
 from station.hw.franka.fci.driver.network import (
     TCP_TIMEOUT,
     FciNetworkError,
     Network,
-)
-from station.hw.franka.fci.wire.gripper_protocol import (
-    GRIPPER_HEADER,
-    GripperProtocol,
-    HandCommand,
 )
 from station.hw.franka.fci.wire.messages import (
     NOTHING,
@@ -24,17 +18,14 @@ from station.hw.franka.fci.wire.messages import (
     Messages,
 )
 from station.hw.franka.fci.wire.robot_protocol import (
-    HEADER,
     Command,
+    CommandT,
     ConnectStatus,
-    Exchange,
+    FciProtocol,
     RobotProtocol,
 )
-from station.hw.franka.fci.wire.structure import Structure
 
-_Command = TypeVar("_Command", bound=IntEnum)
 RobotAnswer: TypeAlias = Answer[Command]
-GripperAnswer: TypeAlias = Answer[HandCommand]
 
 
 class IncompatibleVersionError(FciProtocolError):
@@ -57,41 +48,20 @@ class IncompatibleVersionError(FciProtocolError):
         self.server_version = server_version
 
 
-class _Version(Protocol[_Command]):
-    """The properties of a protocol version that a client needs."""
-
-    @property
-    def version(self) -> int:
-        """Number of the version."""
-
-    @property
-    def exchanges(self) -> Mapping[_Command, Exchange]:
-        """Request and answer of every command."""
-
-
-class FciClient(Generic[_Command]):
+class FciClient(Generic[CommandT]):
     """Sends requests to an arm or a hand, and keeps their answers. One thread.
 
     Args:
         network: The network.
         protocol: The version that is spoken.
-        header: Head of every message.
-        connect: The command that connects.
     """
 
-    def __init__(
-        self,
-        network: Network,
-        protocol: _Version[_Command],
-        header: Structure,
-        connect: _Command,
-    ) -> None:
-        self._network = network
-        self._version, self._connect = protocol.version, connect
-        self._messages = Messages(header, protocol.exchanges)
+    def __init__(self, network: Network, protocol: FciProtocol[CommandT]) -> None:
+        self._network, self._protocol = network, protocol
+        self._messages = Messages(protocol)
         self._count = 0
         self._forgotten = 0
-        self._answers: dict[int, list[Answer[_Command]]] = {}
+        self._answers: dict[int, list[Answer[CommandT]]] = {}
 
     def connect(self) -> None:
         """Send the version of this side and the port that receives states.
@@ -101,8 +71,9 @@ class FciClient(Generic[_Command]):
             IncompatibleVersionError: The other side speaks another version.
             FciProtocolError: The answer is malformed.
         """
-        own, port = self._version, self._network.udp_port
-        answer = self.ask(self._connect, {"version": own, "udp_port": port})
+        own, port = self._protocol.version, self._network.udp_port
+        asked = {"version": own, "udp_port": port}
+        answer = self.ask(self._protocol.connect, asked)
         if answer.status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION:
             raise IncompatibleVersionError(own, answer.values["version"])
         if answer.status != ConnectStatus.SUCCESS:
@@ -110,7 +81,7 @@ class FciClient(Generic[_Command]):
                 "libfranka: Protocol error during connection attempt"
             )
 
-    def send(self, command: _Command, values: Mapping[str, Any] = NOTHING) -> int:
+    def send(self, command: CommandT, values: Mapping[str, Any] = NOTHING) -> int:
         """Send a request; return its number.
 
         Raises:
@@ -121,8 +92,8 @@ class FciClient(Generic[_Command]):
         return self._count
 
     def ask(
-        self, command: _Command, values: Mapping[str, Any] = NOTHING
-    ) -> Answer[_Command]:
+        self, command: CommandT, values: Mapping[str, Any] = NOTHING
+    ) -> Answer[CommandT]:
         """Send a request and wait for its first answer.
 
         Raises:
@@ -139,7 +110,7 @@ class FciClient(Generic[_Command]):
             )
         return answer
 
-    def take_answer(self, number: int, timeout: float = 0.0) -> Answer[_Command] | None:
+    def take_answer(self, number: int, timeout: float = 0.0) -> Answer[CommandT] | None:
         """Return the next answer to a request; None if there is none.
 
         Args:
@@ -154,7 +125,7 @@ class FciClient(Generic[_Command]):
             data = self._network.receive(timeout)
             if not data:
                 return None
-            for answer in self._messages.feed(data):
+            for answer in self._messages.answers(data):
                 if answer.command_id == self._forgotten:
                     continue
                 self._answers.setdefault(answer.command_id, []).append(answer)
@@ -171,11 +142,4 @@ class FciClient(Generic[_Command]):
 
 def robot_client(network: Network, protocol: RobotProtocol) -> FciClient[Command]:
     """Return a client of an arm."""
-    return FciClient(network, protocol, HEADER, Command.CONNECT)
-
-
-def gripper_client(
-    network: Network, protocol: GripperProtocol
-) -> FciClient[HandCommand]:
-    """Return a client of a hand."""
-    return FciClient(network, protocol, GRIPPER_HEADER, HandCommand.CONNECT)
+    return FciClient(network, protocol)

@@ -16,18 +16,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from station.core.errors import StationError
-from station.hw.franka.fci.driver.fci_client import FciClient, gripper_client
+from station.hw.franka.fci.driver.fci_client import FciClient
 from station.hw.franka.fci.driver.network import (
     SLICE,
     UDP_TIMEOUT,
     FciNetworkError,
     Network,
 )
-from station.hw.franka.fci.wire.gripper_protocol import (
-    HAND,
-    GripperProtocol,
-    HandCommand,
-)
+from station.hw.franka.fci.wire.gripper_protocol import HAND, HandCommand
 from station.hw.franka.fci.wire.messages import FciProtocolError
 
 LOOK = 0.1
@@ -79,7 +75,6 @@ class HandLink:
 
     Args:
         open_network: Opens a connection to the hand.
-        protocol: The version that is spoken.
         clock: Wall time [s].
         pause: Waits until bytes of the hand or an order arrive, at most for the given
             time [s].
@@ -95,17 +90,16 @@ class HandLink:
         self,
         open_network: Callable[[], Network],
         *,
-        protocol: GripperProtocol = HAND,
         clock: Callable[[], float] = time.monotonic,
         pause: "Callable[[Network | None, float], None] | None" = None,
     ) -> None:
-        self._open_network, self._protocol = open_network, protocol
+        self._open_network = open_network
         self._clock = clock
         self._pause = pause or self._wait
         self._word, self._ear = socket.socketpair()
         self._word.settimeout(0.0)
         self._ear.settimeout(0.0)
-        self._buffer = bytearray(protocol.state.size + 1)
+        self._buffer = bytearray(HAND.state.size + 1)
         self._network: Network | None = None
         self._client: FciClient[HandCommand] | None = None
         self._orders: deque[HandOrder] = deque()
@@ -186,7 +180,7 @@ class HandLink:
         network: Network | None = None
         try:
             network = self._open_network()
-            client = gripper_client(network, self._protocol)
+            client = FciClient(network, HAND)
             client.connect()
             self._network, self._client = network, client
             self._await_state(network)
@@ -228,10 +222,10 @@ class HandLink:
             raise FciNetworkError("libfranka: UDP receive: Timeout")
 
     def _is_state(self, size: int) -> bool:
-        return size == self._protocol.state.size
+        return size == HAND.state.size
 
     def _read(self) -> None:
-        layout = self._protocol.state
+        layout = HAND.state
         self.state = state = layout.unpack(self._buffer[: layout.size])
         self._heard = self._clock()
         self.on_state(state)

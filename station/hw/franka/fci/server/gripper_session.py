@@ -9,16 +9,14 @@ from station.core.errors import GripperCommandError, InvalidCommandError
 from station.core.franka import GraspRequest
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.fci.wire.gripper_protocol import (
-    GRIPPER_HEADER,
     HAND,
-    GripperProtocol,
     GripperStatus,
     HandCommand,
 )
 from station.hw.franka.fci.wire.messages import (
     FciProtocolError,
     FciVersionError,
-    MessageReader,
+    Messages,
     Request,
 )
 from station.hw.franka.fci.wire.robot_protocol import ConnectStatus
@@ -37,7 +35,6 @@ class GripperSession:
 
     Args:
         hand: The hand; the owner of the session advances it once per cycle.
-        protocol: The version that is spoken.
         is_free: Returns whether this client may move the fingers.
 
     Attributes:
@@ -47,13 +44,11 @@ class GripperSession:
     def __init__(
         self,
         hand: HandServices,
-        protocol: GripperProtocol = HAND,
         is_free: Callable[[], bool] = lambda: True,
     ) -> None:
         self._hand = hand
         self._is_free = is_free
-        self._protocol = protocol
-        self._reader = MessageReader(GRIPPER_HEADER, protocol.exchanges)
+        self._messages = Messages(HAND)
         self._running: Request[HandCommand] | None = None
         self._identifier: int | None = None  # of the command that this client began
         self.udp_port: int | None = None
@@ -67,7 +62,8 @@ class GripperSession:
         Raises:
             FciProtocolError: The client broke the protocol; the connection must end.
         """
-        return b"".join(self._answer(request) for request in self._reader.feed(data))
+        requests = self._messages.requests(data)
+        return b"".join(self._answer(request) for request in requests)
 
     def after_cycle(self) -> bytes:
         """Return the answer that is due because a motion of the fingers has ended."""
@@ -88,7 +84,7 @@ class GripperSession:
             message_id: Number of the message.
         """
         state = self._hand.get_state()
-        return self._protocol.state.pack({
+        return HAND.state.pack({
             "message_id": message_id % 2**32,
             "width": state.width,
             "max_width": state.max_width,
@@ -112,27 +108,27 @@ class GripperSession:
                 remedy="Connect first, with a version that the hand speaks.",
             )
         if not self._is_free() and request.command is not HandCommand.STOP:
-            return self._reader.answer(request, GripperStatus.FAIL)
+            return self._messages.answer(request, GripperStatus.FAIL)
         try:
             self._begin(request)
         except (GripperCommandError, InvalidCommandError):
-            return self._reader.answer(request, GripperStatus.FAIL)
+            return self._messages.answer(request, GripperStatus.FAIL)
         answers = self._end(GripperStatus.ABORTED)
         self._identifier = self._present()
         if request.command is HandCommand.STOP:
-            done = self._reader.answer(request, GripperStatus.SUCCESS)
+            done = self._messages.answer(request, GripperStatus.SUCCESS)
             return answers + done
         self._running = request
         return answers
 
     def _connect(self, request: Request[HandCommand]) -> bytes:
-        own, asked = self._protocol.version, request.values["version"]
+        own, asked = HAND.version, request.values["version"]
         if asked == own:
             self.udp_port = request.values["udp_port"]
             status = ConnectStatus.SUCCESS
-            return self._reader.answer(request, status, {"version": own})
+            return self._messages.answer(request, status, {"version": own})
         status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
-        told = self._reader.answer(request, status, {"version": own})
+        told = self._messages.answer(request, status, {"version": own})
         raise FciVersionError("hand", asked, [own], told)
 
     def _begin(self, request: Request[HandCommand]) -> None:
@@ -164,4 +160,4 @@ class GripperSession:
         request, self._running = self._running, None
         if request is None:
             return b""
-        return self._reader.answer(request, status)
+        return self._messages.answer(request, status)

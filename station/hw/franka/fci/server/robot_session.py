@@ -55,11 +55,10 @@ from station.hw.franka.fci.wire.messages import (
     NOTHING,
     FciProtocolError,
     FciVersionError,
-    MessageReader,
+    Messages,
     Request,
 )
 from station.hw.franka.fci.wire.robot_protocol import (
-    HEADER,
     MERGED_INTO,
     NO_CONTROLLER,
     NO_GENERATOR,
@@ -298,7 +297,8 @@ class RobotSession:
         Raises:
             FciProtocolError: The client broke the protocol; the connection must end.
         """
-        return b"".join(self._answer(request) for request in self._reader.feed(data))
+        requests = self._messages.requests(data)
+        return b"".join(self._answer(request) for request in requests)
 
     def receive_command(self, datagram: bytes) -> None:
         """Take a UDP datagram; drop it if it is not a newer command.
@@ -386,7 +386,7 @@ class RobotSession:
 
     def _speak(self, protocol: RobotProtocol) -> None:
         self._protocol = protocol
-        self._reader = MessageReader(HEADER, protocol.exchanges)
+        self._messages = Messages(protocol)
         self._writer = StateWriter(self._arm, protocol)
 
     def _connect(self, request: Request[Command]) -> bytes:
@@ -516,13 +516,13 @@ class RobotSession:
         library = self._model_library(values["architecture"], values["system"])
         if library is None:
             return self._say(request, LibraryStatus.ERROR)
-        return self._reader.answer(request, LibraryStatus.SUCCESS, tail=library)
+        return self._messages.answer(request, LibraryStatus.SUCCESS, tail=library)
 
     def _tell_model(self, request: Request[Command]) -> bytes:
         if not self._robot_model:
             return self._say(request, ModelStatus.COMMAND_NOT_POSSIBLE_REJECTED)
         urdf = self._robot_model.encode()
-        return self._reader.answer(request, ModelStatus.SUCCESS, tail=urdf)
+        return self._messages.answer(request, ModelStatus.SUCCESS, tail=urdf)
 
     def _end_motion(self, status: MoveStatus) -> bytes:
         request, self._motion = self._motion, None
@@ -568,4 +568,4 @@ class RobotSession:
         status: int,
         values: Mapping[str, Any] = NOTHING,
     ) -> bytes:
-        return self._reader.answer(request, status, values)
+        return self._messages.answer(request, status, values)

@@ -3,11 +3,13 @@
 Source: libfranka-common@e6aa0fc include/research_interface/gripper/types.h.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 
-from station.hw.franka.fci.wire.robot_protocol import ConnectStatus, Exchange
+from station.hw.franka.fci.wire.robot_protocol import (
+    ConnectStatus,
+    Exchange,
+    FciProtocol,
+)
 from station.hw.franka.fci.wire.structure import Field, Structure
 
 GRIPPER_HEADER = Structure([("command", "H"), ("command_id", "I"), ("size", "I")])
@@ -33,23 +35,6 @@ class GripperStatus(IntEnum):
     ABORTED = 3
 
 
-@dataclass(frozen=True, slots=True)
-class GripperProtocol:
-    """One version of the protocol of a hand, like `RobotProtocol` for an arm.
-
-    Attributes:
-        version: Number that a client names when it connects.
-        port: TCP port of the server.
-        exchanges: Request and answer of every command.
-        state: Structure of the hand's states.
-    """
-
-    version: int
-    port: int
-    exchanges: Mapping[HandCommand, Exchange]
-    state: Structure
-
-
 _EXCHANGES: dict[HandCommand, tuple[list[Field], list[Field]]] = {
     HandCommand.CONNECT: ([("version", "H"), ("udp_port", "H")], [("version", "H")]),
     HandCommand.HOMING: ([], []),
@@ -69,9 +54,12 @@ _EXCHANGES: dict[HandCommand, tuple[list[Field], list[Field]]] = {
 
 _CONNECT = HandCommand.CONNECT
 
-HAND = GripperProtocol(
+HAND = FciProtocol(
+    device="hand",
     version=3,
     port=1338,
+    header=GRIPPER_HEADER,
+    connect=_CONNECT,
     exchanges={
         command: Exchange(
             Structure(request),
@@ -88,5 +76,6 @@ HAND = GripperProtocol(
         ("is_grasped", "?"),
         ("temperature", "H"),
     ]),
+    command=Structure(()),
 )
 """Version 3, which the hands of the Panda speak."""

@@ -17,8 +17,11 @@ version 9, @d96c221 version 10.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Generic, TypeAlias, TypeVar
 
 from station.hw.franka.fci.wire.structure import Field, Structure
+
+CommandT = TypeVar("CommandT", bound=IntEnum)
 
 HEADER = Structure([("command", "I"), ("command_id", "I"), ("size", "I")])
 """Head of every TCP message to and from an arm."""
@@ -193,27 +196,37 @@ class Exchange:
 
 
 @dataclass(frozen=True, slots=True)
-class RobotProtocol:
-    """One version of the protocol of an arm.
+class FciProtocol(Generic[CommandT]):
+    """One version of the protocol of an arm or of a hand.
 
     Attributes:
+        device: `arm` or `hand`.
         version: Number that a client names when it connects.
         port: TCP port of the server.
+        header: Head of every TCP message.
+        connect: The command that comes first.
         exchanges: Request and answer of every command.
-        state: Structure of the arm's state, sent in every cycle.
-        command: Structure of the client's answers while a motion runs.
+        state: Structure of the device's states.
+        command: Structure of the client's answers to the states while a motion runs.
+            A hand gets none, and has nothing of what follows.
         generators: The motion generators that a `MOVE` may ask for.
         merged_errors: Errors in whose place the version has `MERGED_INTO`.
     """
 
+    device: str
     version: int
     port: int
-    exchanges: Mapping[Command, Exchange]
+    header: Structure
+    connect: CommandT
+    exchanges: Mapping[CommandT, Exchange]
     state: Structure
     command: Structure
-    generators: Sequence[MoveGenerator]
-    merged_errors: Sequence[str]
+    generators: Sequence[MoveGenerator] = ()
+    merged_errors: Sequence[str] = ()
 
+
+RobotProtocol: TypeAlias = FciProtocol[Command]
+"""One version of the protocol of an arm."""
 
 _THRESHOLDS: list[Field] = [
     (f"{bound}_{kind}_thresholds_{phase}", "7d" if kind == "torque" else "6d")
@@ -393,9 +406,12 @@ def _exchange(version: int, command: Command, number: int) -> Exchange:
 def _protocol(version: int) -> RobotProtocol:
     commands = [command for command in Command if _has(version, command.name)]
     number = "f" if _has(version, "single precision") else "d"
-    return RobotProtocol(
+    return FciProtocol(
+        device="arm",
         version=version,
         port=1337,
+        header=HEADER,
+        connect=Command.CONNECT,
         exchanges={
             command: _exchange(version, command, number)
             for number, command in enumerate(commands)
