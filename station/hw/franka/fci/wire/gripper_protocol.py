@@ -10,9 +10,9 @@ from station.hw.franka.fci.wire.robot_protocol import (
     Exchange,
     FciProtocol,
 )
-from station.hw.franka.fci.wire.structure import Field, Structure
+from station.hw.franka.fci.wire.structure import Field, Structure, fields
 
-GRIPPER_HEADER = Structure([("command", "H"), ("command_id", "I"), ("size", "I")])
+GRIPPER_HEADER = Structure(fields("H command", "I command_id size"))
 """Head of every TCP message to and from a hand."""
 
 
@@ -35,47 +35,41 @@ class GripperStatus(IntEnum):
     ABORTED = 3
 
 
-_EXCHANGES: dict[HandCommand, tuple[list[Field], list[Field]]] = {
-    HandCommand.CONNECT: ([("version", "H"), ("udp_port", "H")], [("version", "H")]),
-    HandCommand.HOMING: ([], []),
-    HandCommand.GRASP: (
-        [
-            ("width", "d"),
-            ("epsilon_inner", "d"),
-            ("epsilon_outer", "d"),
-            ("speed", "d"),
-            ("force", "d"),
-        ],
-        [],
+# Fields of the request, those of the answer behind its status, and its statuses.
+_EXCHANGES: dict[HandCommand, tuple[list[Field], list[Field], type[IntEnum]]] = {
+    HandCommand.CONNECT: (
+        fields("H version udp_port"),
+        fields("H version"),
+        ConnectStatus,
     ),
-    HandCommand.MOVE: ([("width", "d"), ("speed", "d")], []),
-    HandCommand.STOP: ([], []),
+    HandCommand.HOMING: ([], [], GripperStatus),
+    HandCommand.GRASP: (
+        fields("d width epsilon_inner epsilon_outer speed force"),
+        [],
+        GripperStatus,
+    ),
+    HandCommand.MOVE: (fields("d width speed"), [], GripperStatus),
+    HandCommand.STOP: ([], [], GripperStatus),
 }
-
-_CONNECT = HandCommand.CONNECT
 
 HAND = FciProtocol(
     device="hand",
     version=3,
     port=1338,
     header=GRIPPER_HEADER,
-    connect=_CONNECT,
+    connect=HandCommand.CONNECT,
     exchanges={
         command: Exchange(
             Structure(request),
             Structure([("status", "H"), *answer]),
             command,
-            tuple(ConnectStatus if command is _CONNECT else GripperStatus),
+            tuple(statuses),
         )
-        for command, (request, answer) in _EXCHANGES.items()
+        for command, (request, answer, statuses) in _EXCHANGES.items()
     },
-    state=Structure([
-        ("message_id", "I"),
-        ("width", "d"),
-        ("max_width", "d"),
-        ("is_grasped", "?"),
-        ("temperature", "H"),
-    ]),
+    state=Structure(
+        fields("I message_id", "d width max_width", "? is_grasped", "H temperature")
+    ),
     command=Structure(()),
 )
 """Version 3, which the hands of the Panda speak."""

@@ -19,11 +19,11 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Generic, TypeAlias, TypeVar
 
-from station.hw.franka.fci.wire.structure import Field, Structure
+from station.hw.franka.fci.wire.structure import Field, Structure, fields
 
 CommandT = TypeVar("CommandT", bound=IntEnum)
 
-HEADER = Structure([("command", "I"), ("command_id", "I"), ("size", "I")])
+HEADER = Structure(fields("I command command_id size"))
 """Head of every TCP message to and from an arm."""
 
 
@@ -236,131 +236,91 @@ _THRESHOLDS: list[Field] = [
 ]
 # Fields of the request, those of the answer behind its status, and its statuses.
 _EXCHANGES: dict[Command, tuple[list[Field], list[Field], type[IntEnum]]] = {
-    Command.CONNECT: (
-        [("version", "H"), ("udp_port", "H")],
-        [("version", "H")],
-        ConnectStatus,
-    ),
+    Command.CONNECT: (fields("H version udp_port"), fields("H version"), ConnectStatus),
     Command.MOVE: (
-        [
-            ("controller_mode", "I"),
-            ("motion_generator_mode", "I"),
-            ("maximum_path_deviation", "3d"),
-            ("maximum_goal_pose_deviation", "3d"),
-            ("use_async_motion_generator", "?"),
-            ("maximum_velocity", "7d"),
-        ],
+        fields(
+            "I controller_mode motion_generator_mode",
+            "3d maximum_path_deviation maximum_goal_pose_deviation",
+            "? use_async_motion_generator",
+            "7d maximum_velocity",
+        ),
         [],
         MoveStatus,
     ),
     Command.STOP_MOVE: ([], [], StopMoveStatus),
     Command.GET_CARTESIAN_LIMIT: (
-        [("id", "i")],
-        [
-            ("object_world_size", "3d"),
-            ("object_frame", "16d"),
-            ("object_activation", "?"),
-        ],
+        fields("i id"),
+        fields("3d object_world_size", "16d object_frame", "? object_activation"),
         SetterStatus,
     ),
     Command.SET_COLLISION_BEHAVIOR: (_THRESHOLDS, [], SetterStatus),
-    Command.SET_JOINT_IMPEDANCE: ([("K_theta", "7d")], [], SetterStatus),
-    Command.SET_CARTESIAN_IMPEDANCE: ([("K_x", "6d")], [], SetterStatus),
+    Command.SET_JOINT_IMPEDANCE: (fields("7d K_theta"), [], SetterStatus),
+    Command.SET_CARTESIAN_IMPEDANCE: (fields("6d K_x"), [], SetterStatus),
     Command.SET_GUIDING_MODE: (
-        [("guiding_mode", "6?"), ("nullspace", "?")],
+        fields("6? guiding_mode", "? nullspace"),
         [],
         SetterStatus,
     ),
-    Command.SET_EE_TO_K: ([("EE_T_K", "16d")], [], SetterStatus),
-    Command.SET_NE_TO_EE: ([("NE_T_EE", "16d")], [], SetterStatus),
+    Command.SET_EE_TO_K: (fields("16d EE_T_K"), [], SetterStatus),
+    Command.SET_NE_TO_EE: (fields("16d NE_T_EE"), [], SetterStatus),
     Command.SET_LOAD: (
-        [("m_load", "d"), ("F_x_Cload", "3d"), ("I_load", "9d")],
+        fields("d m_load", "3d F_x_Cload", "9d I_load"),
         [],
         SetterStatus,
     ),
     Command.SET_FILTERS: (
-        [
-            ("joint_position_filter_frequency", "d"),
-            ("joint_velocity_filter_frequency", "d"),
-            ("cartesian_position_filter_frequency", "d"),
-            ("cartesian_velocity_filter_frequency", "d"),
-            ("controller_filter_frequency", "d"),
-        ],
+        fields(
+            "d joint_position_filter_frequency joint_velocity_filter_frequency",
+            "d cartesian_position_filter_frequency cartesian_velocity_filter_frequency",
+            "d controller_filter_frequency",
+        ),
         [],
         SetterStatus,
     ),
     Command.AUTOMATIC_ERROR_RECOVERY: ([], [], RecoveryStatus),
-    Command.LOAD_MODEL_LIBRARY: (
-        [("architecture", "B"), ("system", "B")],
-        [],
-        LibraryStatus,
-    ),
+    Command.LOAD_MODEL_LIBRARY: (fields("B architecture system"), [], LibraryStatus),
     Command.GET_ROBOT_MODEL: ([], [], ModelStatus),
 }
 
-_STATE: list[Field] = [
-    ("message_id", "Q"),
-    ("O_T_EE", "16d"),
-    ("O_T_EE_d", "16d"),
-    ("F_T_EE", "16d"),
-    ("EE_T_K", "16d"),
-    ("F_T_NE", "16d"),
-    ("NE_T_EE", "16d"),
-    ("m_ee", "d"),
-    ("I_ee", "9d"),
-    ("F_x_Cee", "3d"),
-    ("m_load", "d"),
-    ("I_load", "9d"),
-    ("F_x_Cload", "3d"),
-    ("elbow", "2d"),
-    ("elbow_d", "2d"),
-    ("tau_J", "7d"),
-    ("tau_J_d", "7d"),
-    ("dtau_J", "7d"),
-    ("q", "7d"),
-    ("q_d", "7d"),
-    ("dq", "7d"),
-    ("dq_d", "7d"),
-    ("ddq_d", "7d"),
-    ("joint_contact", "7d"),
-    ("cartesian_contact", "6d"),
-    ("joint_collision", "7d"),
-    ("cartesian_collision", "6d"),
-    ("tau_ext_hat_filtered", "7d"),
-    ("O_F_ext_hat_K", "6d"),
-    ("K_F_ext_hat_K", "6d"),
-    ("O_dP_EE_d", "6d"),
-    ("O_ddP_O", "3d"),
-    ("elbow_c", "2d"),
-    ("delbow_c", "2d"),
-    ("ddelbow_c", "2d"),
-    ("O_T_EE_c", "16d"),
-    ("O_dP_EE_c", "6d"),
-    ("O_ddP_EE_c", "6d"),
-    ("theta", "7d"),
-    ("dtheta", "7d"),
-    ("accelerometer_top", "18d"),
-    ("accelerometer_bottom", "18d"),
-    ("motion_generator_mode", "B"),
-    ("controller_mode", "B"),
-    ("errors", "41?"),
-    ("reflex_reason", "41?"),
-    ("robot_mode", "B"),
-    ("control_command_success_rate", "d"),
-]
+_STATE = fields(
+    "Q message_id",
+    "16d O_T_EE O_T_EE_d F_T_EE EE_T_K F_T_NE NE_T_EE",
+    "d m_ee",
+    "9d I_ee",
+    "3d F_x_Cee",
+    "d m_load",
+    "9d I_load",
+    "3d F_x_Cload",
+    "2d elbow elbow_d",
+    "7d tau_J tau_J_d dtau_J q q_d dq dq_d ddq_d",
+    "7d joint_contact",
+    "6d cartesian_contact",
+    "7d joint_collision",
+    "6d cartesian_collision",
+    "7d tau_ext_hat_filtered",
+    "6d O_F_ext_hat_K K_F_ext_hat_K O_dP_EE_d",
+    "3d O_ddP_O",
+    "2d elbow_c delbow_c ddelbow_c",
+    "16d O_T_EE_c",
+    "6d O_dP_EE_c O_ddP_EE_c",
+    "7d theta dtheta",
+    "18d accelerometer_top accelerometer_bottom",
+    "B motion_generator_mode controller_mode",
+    "41? errors reflex_reason",
+    "B robot_mode",
+    "d control_command_success_rate",
+)
 
-_COMMAND: list[Field] = [
-    ("message_id", "Q"),
-    ("q_c", "7d"),
-    ("dq_c", "7d"),
-    ("O_T_EE_c", "16d"),
-    ("O_dP_EE_c", "6d"),
-    ("elbow_c", "2d"),
-    ("valid_elbow", "?"),
-    ("motion_generation_finished", "?"),
-    ("tau_J_d", "7d"),
-    ("torque_command_finished", "?"),
-]
+_COMMAND = fields(
+    "Q message_id",
+    "7d q_c dq_c",
+    "16d O_T_EE_c",
+    "6d O_dP_EE_c",
+    "2d elbow_c",
+    "? valid_elbow motion_generation_finished",
+    "7d tau_J_d",
+    "? torque_command_finished",
+)
 
 _VERSIONS = (5, 6, 7, 8, 9, 10)
 _SPOKEN = {
@@ -389,8 +349,8 @@ def _has(version: int, name: str) -> bool:
     return name not in _SPOKEN or _SPOKEN[name][_VERSIONS.index(version)] == "x"
 
 
-def _structure(version: int, fields: Sequence[Field]) -> Structure:
-    return Structure([field for field in fields if _has(version, field[0])])
+def _structure(version: int, rows: Sequence[Field]) -> Structure:
+    return Structure([field for field in rows if _has(version, field[0])])
 
 
 def _exchange(version: int, command: Command, number: int) -> Exchange:

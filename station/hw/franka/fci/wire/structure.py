@@ -7,6 +7,17 @@ from typing import Any, TypeAlias
 Field: TypeAlias = tuple[str, str]
 """Name of a field and its format, e.g. `("q", "7d")`, as `struct` has it."""
 
+
+def fields(*rows: str) -> list[Field]:
+    """Return fields from rows such as `7d q dq`: a format, and the fields that have it.
+
+    Args:
+        rows: The rows, in the order of the fields.
+    """
+    words = [row.split() for row in rows]
+    return [(name, form) for form, *names in words for name in names]
+
+
 _SIZES = {"?": 1, "B": 1, "H": 2, "I": 4, "i": 4, "Q": 8, "f": 4, "d": 8}
 
 
