@@ -114,8 +114,7 @@ class Reconnection:
             for command, values in self._settings:
                 answer = client.ask(command, values)
                 if answer.status:  # 0 is success for every command
-                    mode = RobotMode.OTHER
-                    raise FciNetworkError(refusal_of(command, answer.status, mode))
+                    raise FciNetworkError(refusal_of(answer, RobotMode.OTHER))
         except StationError:
             network.close()
             raise
@@ -308,7 +307,7 @@ class ArmLink:
         answer = self.ask(command, values)
         if answer.status == SetterStatus.INVALID_ARGUMENT_REJECTED:
             raise InvalidCommandError(
-                refusal_of(command, answer.status, self.reader.robot_mode),
+                refusal_of(answer, self.reader.robot_mode),
                 remedy="Give values that this arm allows.",
             )
         if answer.status != SetterStatus.SUCCESS:
@@ -320,7 +319,7 @@ class ArmLink:
         mode = self.reader.robot_mode
         todo = REMEDIES.get(mode, "stop the running motion, then try again")
         return ArmCommandError(
-            refusal_of(answer.command, answer.status, mode),
+            refusal_of(answer, mode),
             remedy=f"{todo[0].upper()}{todo[1:]}.",
         )
 

@@ -104,8 +104,7 @@ class PendingRequests:
             self._stop = None if number == self._stop else self._stop
             self._recovery = None if number == self._recovery else self._recovery
             if answer.status:  # 0 is success for every command
-                mode = self._link.reader.robot_mode
-                self.failure = refusal_of(answer.command, answer.status, mode)
+                self.failure = refusal_of(answer, self._link.reader.robot_mode)
 
     def clear(self) -> None:
         """Stop waiting for answers: the arm is lost."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from types import MappingProxyType
 from typing import Any, Generic
 
@@ -58,15 +59,15 @@ class Answer(Generic[CommandT]):
     Attributes:
         command: The answered command.
         command_id: Number of the request.
-        status: The status, numbered alike in all versions; `UNKNOWN` if the version
-            that is spoken does not have it.
+        status: The status, numbered alike in all versions; `UnknownStatus.UNKNOWN` if
+            the version that is spoken does not have it.
         values: All fields, the status as its number on the wire.
         rest: Bytes behind the fields, e.g. a model library.
     """
 
     command: CommandT
     command_id: int
-    status: int
+    status: IntEnum
     values: Mapping[str, Any]
     rest: bytes = b""
 

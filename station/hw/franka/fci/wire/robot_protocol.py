@@ -165,8 +165,12 @@ _POSITION_LIMITS = (
 )
 MERGED_INTO = "joint_position_limits_violation"
 """The error that newer versions have in place of some others."""
-UNKNOWN = 255
-"""Status in place of a status that the version does not have."""
+
+
+class UnknownStatus(IntEnum):
+    """Stands for a status that the version does not have."""
+
+    UNKNOWN = 255
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,16 +187,17 @@ class Exchange:
     request: Structure
     response: Structure
     number: int
-    statuses: Sequence[int]
+    statuses: Sequence[IntEnum]
 
-    def status_of(self, number: int) -> int:
+    def status_of(self, number: int) -> IntEnum:
         """Return the status with a number on the wire.
 
         Args:
-            number: The number; one that the version does not have becomes `UNKNOWN`.
+            number: The number; one that the version does not have becomes
+                `UnknownStatus.UNKNOWN`.
         """
         known = self.statuses
-        return known[number] if number < len(known) else UNKNOWN
+        return known[number] if number < len(known) else UnknownStatus.UNKNOWN
 
 
 @dataclass(frozen=True, slots=True)
