@@ -28,6 +28,8 @@ from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 from typing import Any, TypeAlias
 
+from typing_extensions import override
+
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.franka_errors import ERROR_INDEX
 from station.core.franka.franka_robot_state import RobotMode
@@ -51,20 +53,14 @@ from station.hw.franka.arm.service_limits import (
 )
 from station.hw.franka.arm.transform_check import check_transform
 from station.hw.franka.commands.arm_guard import slowed
-from station.hw.franka.fci.wire.messages import (
-    NOTHING,
-    FciProtocolError,
-    FciVersionError,
-    Messages,
-    Request,
-)
+from station.hw.franka.fci.server.session import Session
+from station.hw.franka.fci.wire.messages import Request
 from station.hw.franka.fci.wire.robot_protocol import (
     MERGED_INTO,
     NO_CONTROLLER,
     NO_GENERATOR,
     PANDA,
     Command,
-    ConnectStatus,
     LibraryStatus,
     ModelStatus,
     MoveController,
@@ -220,8 +216,8 @@ def _no_library(_architecture: int, _system: int) -> None:
     """Return None: there is no library."""
 
 
-class RobotSession:
-    """Serves one client; each client gets a new session. Control thread.
+class RobotSession(Session[Command]):
+    """Serves one client of an arm. Control thread.
 
     Calls per cycle of the arm: `before_cycle`, the arm's `read_once`, `after_cycle`,
     and then `state` once. `receive` and `receive_command` are called in between, with
@@ -230,14 +226,9 @@ class RobotSession:
     Args:
         arm: The arm.
         model_library: Source of model libraries.
-        protocols: The versions that are spoken; the client chooses one. The last one
-            is the arm's own: a client that asks for another version gets it as the
-            answer.
+        protocols: The versions that are spoken.
         is_free: Returns whether this client may move the arm.
         robot_model: The URDF of the arm for clients; empty if there is none.
-
-    Attributes:
-        udp_port: The client's UDP port; None until it has connected.
     """
 
     def __init__(
@@ -248,11 +239,10 @@ class RobotSession:
         is_free: Callable[[], bool] = lambda: True,
         robot_model: str = "",
     ) -> None:
-        self._arm = arm
+        self._arm = arm  # whose state `_speak` writes
+        super().__init__(protocols)
         self._is_free = is_free
         self._model_library, self._robot_model = model_library, robot_model
-        self._protocols = protocols
-        self._speak(protocols[-1])  # a client connects in the same way with all
         self._motion: Request[Command] | None = None
         self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
         self._recovery: Request[Command] | None = None
@@ -262,7 +252,6 @@ class RobotSession:
         self._reason = ""
         # Largest velocities of a motion that the arm plans itself; None in others.
         self._fastest: Sequence[float] | None = None
-        self.udp_port: int | None = None
 
     @property
     def is_moving(self) -> bool:
@@ -287,18 +276,6 @@ class RobotSession:
         """Return the reason for the last refusal once; empty if there is none."""
         reason, self._reason = self._reason, ""
         return reason
-
-    def receive(self, data: bytes) -> bytes:
-        """Take bytes of the TCP stream; return the answers that are due at once.
-
-        Args:
-            data: The next bytes.
-
-        Raises:
-            FciProtocolError: The client broke the protocol; the connection must end.
-        """
-        requests = self._messages.requests(data)
-        return b"".join(self._answer(request) for request in requests)
 
     def receive_command(self, datagram: bytes) -> None:
         """Take a UDP datagram; drop it if it is not a newer command.
@@ -363,18 +340,11 @@ class RobotSession:
             self._arm.stop_motion()
             self._end_motion(MoveStatus.ABORTED)
 
-    def _answer(self, request: Request[Command]) -> bytes:
-        command = request.command
-        if command is Command.CONNECT:
-            return self._connect(request)
-        if self.udp_port is None:
-            raise FciProtocolError(
-                f"The client sent {command.name} before it had connected.",
-                remedy="Connect first, with a version that the robot speaks.",
-            )
-        if command in SETTERS:
+    @override
+    def _serve(self, request: Request[Command]) -> bytes:
+        if request.command in SETTERS:
             return self._change_setting(request)
-        answers = {
+        serve = {
             Command.MOVE: self._start_motion,
             Command.STOP_MOVE: self._stop_motion,
             Command.GET_CARTESIAN_LIMIT: self._cartesian_limit,
@@ -382,28 +352,12 @@ class RobotSession:
             Command.LOAD_MODEL_LIBRARY: self._load_library,
             Command.GET_ROBOT_MODEL: self._tell_model,
         }
-        return answers[command](request)
+        return serve[request.command](request)
 
+    @override
     def _speak(self, protocol: RobotProtocol) -> None:
-        self._protocol = protocol
-        self._messages = Messages(protocol)
+        super()._speak(protocol)
         self._writer = StateWriter(self._arm, protocol)
-
-    def _connect(self, request: Request[Command]) -> bytes:
-        if self.udp_port is not None:
-            raise FciProtocolError(
-                "The client connected a second time.", remedy="Connect once."
-            )
-        asked = request.values["version"]
-        for protocol in self._protocols:
-            if asked == protocol.version:
-                self._speak(protocol)
-                self.udp_port = request.values["udp_port"]
-                return self._say(request, ConnectStatus.SUCCESS, {"version": asked})
-        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
-        told = self._say(request, status, {"version": self._protocol.version})
-        spoken = [protocol.version for protocol in self._protocols]
-        raise FciVersionError("arm", asked, spoken, told)
 
     def _start_motion(self, request: Request[Command]) -> bytes:
         values = request.values
@@ -516,13 +470,13 @@ class RobotSession:
         library = self._model_library(values["architecture"], values["system"])
         if library is None:
             return self._say(request, LibraryStatus.ERROR)
-        return self._messages.answer(request, LibraryStatus.SUCCESS, tail=library)
+        return self._say(request, LibraryStatus.SUCCESS, tail=library)
 
     def _tell_model(self, request: Request[Command]) -> bytes:
         if not self._robot_model:
             return self._say(request, ModelStatus.COMMAND_NOT_POSSIBLE_REJECTED)
         urdf = self._robot_model.encode()
-        return self._messages.answer(request, ModelStatus.SUCCESS, tail=urdf)
+        return self._say(request, ModelStatus.SUCCESS, tail=urdf)
 
     def _end_motion(self, status: MoveStatus) -> bytes:
         request, self._motion = self._motion, None
@@ -561,11 +515,3 @@ class RobotSession:
                 arm.command_cartesian_pose(clear("O_T_EE_c"), elbow)
             case MoveGenerator.CARTESIAN_VELOCITY:
                 arm.command_cartesian_velocity(clear("O_dP_EE_c"), elbow)
-
-    def _say(
-        self,
-        request: Request[Command],
-        status: int,
-        values: Mapping[str, Any] = NOTHING,
-    ) -> bytes:
-        return self._messages.answer(request, status, values)
