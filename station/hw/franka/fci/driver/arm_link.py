@@ -15,8 +15,8 @@ from station.hw.franka.fci.driver.fci_client import FciClient, RobotAnswer, robo
 from station.hw.franka.fci.driver.network import (
     SLICE,
     UDP_TIMEOUT,
+    FciNetwork,
     FciNetworkError,
-    Network,
 )
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
 from station.hw.franka.fci.driver.state_reader import StateReader
@@ -40,7 +40,7 @@ class Connection:
         message_id: Number of the first state.
     """
 
-    network: Network
+    network: FciNetwork
     client: FciClient[Command]
     message_id: int
 
@@ -57,7 +57,7 @@ class Reconnection:
     """
 
     def __init__(
-        self, open_network: Callable[[], Network], protocol: RobotProtocol
+        self, open_network: Callable[[], FciNetwork], protocol: RobotProtocol
     ) -> None:
         self._open_network, self._protocol = open_network, protocol
         self._settings: list[tuple[Command, Mapping[str, Any]]] = []
@@ -120,7 +120,7 @@ class Reconnection:
             raise
         return Connection(network, client, number)
 
-    def _first_state(self, network: Network) -> int:
+    def _first_state(self, network: FciNetwork) -> int:
         """Return the number of the first state.
 
         Raises:
@@ -164,13 +164,13 @@ class ArmLink:
 
     def __init__(
         self,
-        network: Network,
+        network: FciNetwork,
         protocol: RobotProtocol,
         state: RobotState,
         *,
         on_state: Callable[[], None],
         on_loss: Callable[[], None],
-        reopen: Callable[[], Network] | None = None,
+        reopen: Callable[[], FciNetwork] | None = None,
     ) -> None:
         self._network = network
         self._on_state, self._on_loss = on_state, on_loss

@@ -30,7 +30,7 @@ from station.hw.franka.arm.robot_arm import (
 from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
 from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
 from station.hw.franka.fci.driver.fci_client import RobotAnswer
-from station.hw.franka.fci.driver.network import Network
+from station.hw.franka.fci.driver.network import FciNetwork
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
@@ -180,13 +180,13 @@ class FciArm(RobotArm):
 
     def __init__(
         self,
-        network: Network,
+        network: FciNetwork,
         make_model: Callable[[], FrankaModel],
         *,
         is_enforced: bool = True,
         protocol: RobotProtocol = PANDA,
         find_problem: Callable[[int], str | None] = realtime_problem,
-        reopen: Callable[[], Network] | None = None,
+        reopen: Callable[[], FciNetwork] | None = None,
     ) -> None:
         self.cycle_time = CYCLE_TIME
         self.state = RobotState()

@@ -8,8 +8,8 @@ from typing import Any, Generic, TypeAlias
 
 from station.hw.franka.fci.driver.network import (
     TCP_TIMEOUT,
+    FciNetwork,
     FciNetworkError,
-    Network,
 )
 from station.hw.franka.fci.wire.messages import (
     NOTHING,
@@ -56,7 +56,7 @@ class FciClient(Generic[CommandT]):
         protocol: The version that is spoken.
     """
 
-    def __init__(self, network: Network, protocol: FciProtocol[CommandT]) -> None:
+    def __init__(self, network: FciNetwork, protocol: FciProtocol[CommandT]) -> None:
         self._network, self._protocol = network, protocol
         self._messages = Messages(protocol)
         self._count = 0
@@ -140,6 +140,6 @@ class FciClient(Generic[CommandT]):
         self._forgotten = number
 
 
-def robot_client(network: Network, protocol: RobotProtocol) -> FciClient[Command]:
+def robot_client(network: FciNetwork, protocol: RobotProtocol) -> FciClient[Command]:
     """Return a client of an arm."""
     return FciClient(network, protocol)

@@ -20,8 +20,8 @@ from station.hw.franka.fci.driver.fci_client import FciClient
 from station.hw.franka.fci.driver.network import (
     SLICE,
     UDP_TIMEOUT,
+    FciNetwork,
     FciNetworkError,
-    Network,
 )
 from station.hw.franka.fci.wire.gripper_protocol import HAND, HandCommand
 from station.hw.franka.fci.wire.messages import FciProtocolError
@@ -88,10 +88,10 @@ class HandLink:
 
     def __init__(
         self,
-        open_network: Callable[[], Network],
+        open_network: Callable[[], FciNetwork],
         *,
         clock: Callable[[], float] = time.monotonic,
-        pause: "Callable[[Network | None, float], None] | None" = None,
+        pause: "Callable[[FciNetwork | None, float], None] | None" = None,
     ) -> None:
         self._open_network = open_network
         self._clock = clock
@@ -100,7 +100,7 @@ class HandLink:
         self._word.settimeout(0.0)
         self._ear.settimeout(0.0)
         self._buffer = bytearray(HAND.state.size + 1)
-        self._network: Network | None = None
+        self._network: FciNetwork | None = None
         self._client: FciClient[HandCommand] | None = None
         self._orders: deque[HandOrder] = deque()
         self._next: HandOrder | None = None
@@ -168,8 +168,8 @@ class HandLink:
         while not self._is_closing:
             self.serve_orders()
 
-    def _wait(self, network: Network | None, longest: float) -> None:
-        readers: list[socket.socket | Network] = [self._ear]
+    def _wait(self, network: FciNetwork | None, longest: float) -> None:
+        readers: list[socket.socket | FciNetwork] = [self._ear]
         if network is not None:
             readers.append(network)
         select.select(readers, [], [], longest)
@@ -177,7 +177,7 @@ class HandLink:
             self._ear.recv(4096)
 
     def _connect(self) -> None:
-        network: Network | None = None
+        network: FciNetwork | None = None
         try:
             network = self._open_network()
             client = FciClient(network, HAND)
@@ -192,7 +192,7 @@ class HandLink:
         self.problem = None
         _logger.info("The hand is connected.")
 
-    def _await_state(self, network: Network) -> None:
+    def _await_state(self, network: FciNetwork) -> None:
         """Wait for the first state.
 
         Raises:
@@ -207,7 +207,7 @@ class HandLink:
             remedy="Let UDP datagrams of the arm through the firewall.",
         )
 
-    def _take_states(self, network: Network) -> None:
+    def _take_states(self, network: FciNetwork) -> None:
         """Read the newest state.
 
         Raises:
