@@ -210,7 +210,7 @@ class FciArm(RobotArm):
         self._behavior: CollisionBehavior | None = None
         self._due = 0  # states that `wait` has taken and `read_once` has not
         self._thread = threading.get_native_id()
-        self._link.connect()
+        self._show_mode()
 
     def wait(self) -> int:
         """Wait for the arm's next state, `SLICE` at most; return the elapsed cycles.
@@ -457,7 +457,6 @@ class FciArm(RobotArm):
         if self._link.is_returning:
             if self._link.receive_return():
                 self._pending.failure, self._has_failed = "", False
-                self._link.receive_next()
             self._show_mode()
 
     def _shown_mode(self) -> RobotMode:

@@ -4,10 +4,14 @@ Source: libfranka@0.9.2 src/network.h, connect; src/robot_impl.h, executeCommand
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Generic, TypeAlias
 
+from station.core.errors import StationError
 from station.hw.franka.fci.driver.network import (
+    SLICE,
     TCP_TIMEOUT,
+    UDP_TIMEOUT,
     FciNetwork,
     FciNetworkError,
 )
@@ -143,3 +147,56 @@ class FciClient(Generic[CommandT]):
 def robot_client(network: FciNetwork, protocol: RobotProtocol) -> FciClient[Command]:
     """Return a client of an arm."""
     return FciClient(network, protocol)
+
+
+@dataclass(frozen=True, slots=True)
+class Connection(Generic[CommandT]):
+    """A connection to an arm or a hand that has sent its first state.
+
+    Attributes:
+        network: The network.
+        client: Asks the arm or the hand.
+        state: The first state.
+    """
+
+    network: FciNetwork
+    client: FciClient[CommandT]
+    state: bytes
+
+
+def connect(
+    network: FciNetwork, protocol: FciProtocol[CommandT]
+) -> Connection[CommandT]:
+    """Send this side's version, and wait for the first state.
+
+    Args:
+        network: The network; it is closed if there is an error.
+        protocol: The version that is spoken.
+
+    Raises:
+        StationError: The other side does not answer (`FciNetworkError`), or does not
+            speak this version (`FciProtocolError`).
+    """
+    try:
+        client = FciClient(network, protocol)
+        client.connect()
+        return Connection(network, client, _first_state(network, protocol.state.size))
+    except StationError:
+        network.close()
+        raise
+
+
+def _first_state(network: FciNetwork, size: int) -> bytes:
+    """Return the first state.
+
+    Raises:
+        FciNetworkError: No state has come.
+    """
+    buffer = bytearray(size + 1)  # shows a datagram that is too long
+    for _ in range(round(UDP_TIMEOUT / SLICE)):
+        if network.wait(buffer) == size:
+            return bytes(buffer[:size])
+    raise FciNetworkError(
+        "libfranka: UDP receive: Timeout",
+        remedy="Let UDP datagrams of the arm through the firewall.",
+    )

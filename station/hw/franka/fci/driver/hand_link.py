@@ -16,9 +16,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from station.core.errors import StationError
-from station.hw.franka.fci.driver.fci_client import FciClient
+from station.hw.franka.fci.driver.fci_client import Connection, FciClient, connect
 from station.hw.franka.fci.driver.network import (
-    SLICE,
     UDP_TIMEOUT,
     FciNetwork,
     FciNetworkError,
@@ -100,8 +99,7 @@ class HandLink:
         self._word.settimeout(0.0)
         self._ear.settimeout(0.0)
         self._buffer = bytearray(HAND.state.size + 1)
-        self._network: FciNetwork | None = None
-        self._client: FciClient[HandCommand] | None = None
+        self._connection: Connection[HandCommand] | None = None
         self._orders: deque[HandOrder] = deque()
         self._next: HandOrder | None = None
         self._running: tuple[int, int] | None = None  # its request and its order
@@ -137,17 +135,17 @@ class HandLink:
             self._word.send(b"\0")
         if self._thread is not None:
             self._thread.join()
-        if self._client is not None and self._running is not None:
+        if self._connection is not None and self._running is not None:
             with contextlib.suppress(FciNetworkError):
-                self._client.send(HandCommand.STOP)
+                self._connection.client.send(HandCommand.STOP)
         self._lose(_CLOSED)
         self._word.close()
         self._ear.close()
 
     def serve_orders(self) -> None:
         """Carry out the waiting orders, then wait for more."""
-        network, client = self._network, self._client
-        if network is None or client is None:
+        connection = self._connection
+        if connection is None:
             self._drop_orders()
             left = self._next_try - self._clock()
             if left > 0.0:
@@ -156,13 +154,13 @@ class HandLink:
                 self._connect()
             return
         try:
-            self._take_answers(client)
-            self._carry_out(client)
-            self._take_states(network)
+            self._take_answers(connection.client)
+            self._carry_out(connection.client)
+            self._take_states(connection.network)
         except (FciNetworkError, FciProtocolError) as error:
             self._lose(error.message)
         else:
-            self._pause(network, LOOK)
+            self._pause(connection.network, LOOK)
 
     def _run(self) -> None:
         while not self._is_closing:
@@ -177,35 +175,14 @@ class HandLink:
             self._ear.recv(4096)
 
     def _connect(self) -> None:
-        network: FciNetwork | None = None
         try:
-            network = self._open_network()
-            client = FciClient(network, HAND)
-            client.connect()
-            self._network, self._client = network, client
-            self._await_state(network)
+            self._connection = connect(self._open_network(), HAND)
         except StationError as error:
-            if network is not None:
-                network.close()
             self._lose(error.message)
             return
+        self._read(self._connection.state)
         self.problem = None
         _logger.info("The hand is connected.")
-
-    def _await_state(self, network: FciNetwork) -> None:
-        """Wait for the first state.
-
-        Raises:
-            FciNetworkError: No state has come.
-        """
-        for _ in range(round(UDP_TIMEOUT / SLICE)):
-            if self._is_state(network.wait(self._buffer)):
-                self._read()
-                return
-        raise FciNetworkError(
-            "libfranka: UDP receive: Timeout",
-            remedy="Let UDP datagrams of the arm through the firewall.",
-        )
 
     def _take_states(self, network: FciNetwork) -> None:
         """Read the newest state.
@@ -213,20 +190,16 @@ class HandLink:
         Raises:
             FciNetworkError: No state has come for too long.
         """
-        has_state = False
-        while size := network.poll(self._buffer):
-            has_state = self._is_state(size)
-        if has_state:
-            self._read()
+        size, state = HAND.state.size, b""
+        while found := network.poll(self._buffer):
+            state = bytes(self._buffer[:size]) if found == size else b""
+        if state:
+            self._read(state)
         elif self._clock() - self._heard >= UDP_TIMEOUT:
             raise FciNetworkError("libfranka: UDP receive: Timeout")
 
-    def _is_state(self, size: int) -> bool:
-        return size == HAND.state.size
-
-    def _read(self) -> None:
-        layout = HAND.state
-        self.state = state = layout.unpack(self._buffer[: layout.size])
+    def _read(self, message: bytes) -> None:
+        self.state = state = HAND.state.unpack(message)
         self._heard = self._clock()
         self.on_state(state)
 
@@ -264,9 +237,9 @@ class HandLink:
 
     def _lose(self, problem: str) -> None:
         """Give the hand up for some time, and end its order."""
-        network, self._network, self._client = self._network, None, None
-        if network is not None:
-            network.close()
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            connection.network.close()
         if self._running is not None:
             self.outcomes.append(HandOutcome(self._running[1], None))
         if self._next is not None:

@@ -72,13 +72,14 @@ class StateReader:
         number: int = _ID.unpack_from(self.message, 0)[0]
         return number > self.message_id
 
-    def begin_anew(self, message_id: int) -> None:
-        """Take states of a new connection, which counts its states anew.
+    def begin(self, message: bytes) -> None:
+        """Read the first state of a connection, which counts its states anew.
 
         Args:
-            message_id: Number of the newest state that has been received.
+            message: The message.
         """
-        self.message_id = message_id
+        self.message[: self._size] = message
+        self.read()
 
     def read(self) -> None:
         """Bring the state up to date with `message`, all but its `robot_mode`."""
