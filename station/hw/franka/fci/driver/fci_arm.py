@@ -5,6 +5,7 @@ without waiting for the end of the stop, and answers of the arm are read in a la
 cycle, because the control thread waits for nothing but the next state.
 """
 
+import contextlib
 import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -54,62 +55,38 @@ class PendingRequests:
 
     def __init__(self, link: ArmLink) -> None:
         self._link = link
-        self._waiting: list[int] = []
-        self._stop: int | None = None
-        self._recovery: int | None = None
+        self._waiting: dict[int, Command] = {}  # by the number of the request
         self.failure = ""
 
-    @property
-    def is_stopping(self) -> bool:
-        """Return whether the answer to a stop has not come yet."""
-        return self._stop is not None
+    def is_waiting(self, command: Command) -> bool:
+        """Return whether the answer to such a request has not come yet."""
+        return command in self._waiting.values()
 
-    @property
-    def is_recovering(self) -> bool:
-        """Return whether the answer to a recovery has not come yet."""
-        return self._recovery is not None
-
-    def stop(self) -> bool:
-        """Ask for a stop; return False if the arm is lost."""
-        try:
-            self._stop = self._link.send(Command.STOP_MOVE)
-        except ArmCommandError:
-            return False
-        self._waiting.append(self._stop)
-        return True
-
-    def recover(self) -> None:
-        """Ask for a recovery.
+    def send(self, command: Command) -> None:
+        """Send a request, whose answer `look` takes.
 
         Raises:
             ArmCommandError: The arm is lost.
         """
-        self.failure = ""
-        self._recovery = self._link.send(Command.AUTOMATIC_ERROR_RECOVERY)
-        self._waiting.append(self._recovery)
+        self.expect(self._link.send(command), command)
 
-    def expect(self, number: int) -> None:
-        """Wait for the answer to a request that was sent elsewhere; see `look`."""
-        self._waiting.append(number)
+    def expect(self, number: int, command: Command) -> None:
+        """Wait for an answer to a request that was sent elsewhere; see `look`."""
+        self._waiting[number] = command
 
     def look(self) -> None:
         """Take the answers that have come; called once per cycle."""
-        if not self._waiting:
-            return
         for number in list(self._waiting):
             answer = self._link.take_answer(number)
             if answer is None:
                 continue
-            self._waiting.remove(number)
-            self._stop = None if number == self._stop else self._stop
-            self._recovery = None if number == self._recovery else self._recovery
+            del self._waiting[number]
             if answer.status:  # 0 is success for every command
                 self.failure = refusal_of(answer, self._link.reader.robot_mode)
 
     def clear(self) -> None:
         """Stop waiting for answers: the arm is lost."""
         self._waiting.clear()
-        self._stop = self._recovery = None
 
 
 _KERNEL = Path("/sys/kernel/realtime")
@@ -268,9 +245,9 @@ class FciArm(RobotArm):
 
     @override
     def is_stopping(self) -> bool:
-        if self._pending.is_stopping:
+        if self._pending.is_waiting(Command.STOP_MOVE):
             self._pending.look()
-        return self._pending.is_stopping
+        return self._pending.is_waiting(Command.STOP_MOVE)
 
     @override
     def start_motion(
@@ -304,9 +281,10 @@ class FciArm(RobotArm):
             return
         self._commands.end()
         self._link.forget(motion)  # the answer to the stop tells how the motion ended
-        if self._pending.stop():
-            self._show_mode()
-            self._pending.look()
+        with contextlib.suppress(ArmCommandError):  # a lost arm has no motion
+            self._pending.send(Command.STOP_MOVE)
+        self._show_mode()
+        self._pending.look()
 
     @override
     def command_joint_torques(self, tau: Storage) -> None:
@@ -398,9 +376,11 @@ class FciArm(RobotArm):
             self._show_mode()
             return
         self.check_recovery()
+        recovery = Command.AUTOMATIC_ERROR_RECOVERY
         is_erroneous = self.state.robot_mode is RobotMode.REFLEX
-        if is_erroneous and not self._pending.is_recovering:
-            self._pending.recover()
+        if is_erroneous and not self._pending.is_waiting(recovery):
+            self._pending.failure = ""
+            self._pending.send(recovery)
 
     @override
     def errors(self) -> list[ArmError]:
@@ -439,7 +419,7 @@ class FciArm(RobotArm):
         if self._motion is not None:
             self._commands.note_state()
             if not self._commands.is_shown():
-                self._pending.expect(self._motion)
+                self._pending.expect(self._motion, Command.MOVE)
                 self._motion, self._has_failed = None, True
                 self._commands.end()
         self._show_mode()
