@@ -17,7 +17,7 @@ from station.hw.franka.fci.driver.network import (
     FciNetworkError,
 )
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
-from station.hw.franka.fci.driver.state_reader import StateReader
+from station.hw.franka.fci.driver.state_reader import CYCLE_TIME, StateReader
 from station.hw.franka.fci.wire.messages import NOTHING, FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     Command,
@@ -99,10 +99,6 @@ class Reconnection:
         return made
 
 
-CYCLE_TIME = 0.001
-"""Time from one state to the next [s]."""
-
-
 class ArmLink:
     """Receives states and sends requests, until the arm is lost. Control thread.
 
@@ -137,7 +133,7 @@ class ArmLink:
         reopen: Callable[[], FciNetwork] | None = None,
     ) -> None:
         self._on_state, self._on_loss = on_state, on_loss
-        self.reader = StateReader(state, protocol, CYCLE_TIME)
+        self.reader = StateReader(state, protocol)
         self.loss: str | None = None
         self.is_returning = False
         self._counted = 0  # message_id up to which `count` has counted

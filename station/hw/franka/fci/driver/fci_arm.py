@@ -28,11 +28,12 @@ from station.hw.franka.arm.robot_arm import (
     MotionGeneratorMode,
     RobotArm,
 )
-from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
+from station.hw.franka.fci.driver.arm_link import ArmLink
 from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
 from station.hw.franka.fci.driver.fci_client import RobotAnswer
 from station.hw.franka.fci.driver.network import FciNetwork
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
+from station.hw.franka.fci.driver.state_reader import CYCLE_TIME
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,
@@ -179,7 +180,7 @@ class FciArm(RobotArm):
         )
         self._reader = self._link.reader
         self._commands = CommandedMotion(
-            protocol, self._reader, self._link.send_command, self.cycle_time
+            protocol, self._reader, self._link.send_command
         )
         self._pending = PendingRequests(self._link)
         self._motion: int | None = None  # number of the request
@@ -292,23 +293,23 @@ class FciArm(RobotArm):
 
     @override
     def command_joint_positions(self, q: Storage) -> None:
-        self._commands.joints(MotionGeneratorMode.JOINT_POSITION, q)
+        self._commands.move(MotionGeneratorMode.JOINT_POSITION, q)
 
     @override
     def command_joint_velocities(self, dq: Storage) -> None:
-        self._commands.joints(MotionGeneratorMode.JOINT_VELOCITY, dq)
+        self._commands.move(MotionGeneratorMode.JOINT_VELOCITY, dq)
 
     @override
     def command_cartesian_pose(
         self, pose: Storage, elbow: list[float] | None = None
     ) -> None:
-        self._commands.cartesian(MotionGeneratorMode.CARTESIAN_POSITION, pose, elbow)
+        self._commands.move(MotionGeneratorMode.CARTESIAN_POSITION, pose, elbow)
 
     @override
     def command_cartesian_velocity(
         self, twist: Storage, elbow: list[float] | None = None
     ) -> None:
-        self._commands.cartesian(MotionGeneratorMode.CARTESIAN_VELOCITY, twist, elbow)
+        self._commands.move(MotionGeneratorMode.CARTESIAN_VELOCITY, twist, elbow)
 
     @override
     def load_model(self) -> FrankaModel:

@@ -10,6 +10,8 @@ from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
 from station.hw.franka.fci.wire.state_numbers import StateNumbers
 from station.memory.doubles import Doubles, put, zeros
 
+CYCLE_TIME = 0.001
+"""Time from one state to the next [s]."""
 _FIRST_OF_LOADS, _BEHIND_LOADS = "m_ee", "elbow"
 _READINGS = 18  # of the accelerometers on one side of the boards
 _ID = struct.Struct("<Q")
@@ -22,7 +24,6 @@ class StateReader:
     Args:
         state: The state to bring up to date.
         protocol: The version of the protocol.
-        cycle_time: Time from one message to the next [s].
 
     Attributes:
         message: Buffer for the next message.
@@ -32,12 +33,9 @@ class StateReader:
         robot_mode: Mode of the arm in the message.
     """
 
-    def __init__(
-        self, state: RobotState, protocol: RobotProtocol, cycle_time: float
-    ) -> None:
+    def __init__(self, state: RobotState, protocol: RobotProtocol) -> None:
         layout = protocol.state
         self._state = state
-        self._cycle_time = cycle_time
         self._size = layout.size
         self._places = places = layout.offsets
         # A byte more than a message has, so that one that is too long shows as such.
@@ -86,7 +84,7 @@ class StateReader:
         message, state, places = self.message, self._state, self._places
         self._numbers.read()
         self.message_id = _ID.unpack_from(message, 0)[0]
-        state.time = self.message_id * self._cycle_time
+        state.time = self.message_id * CYCLE_TIME
         for i, (flags, part) in enumerate(self._flags):
             raised = bytes(message[part])
             if raised != self._known_flags[i]:

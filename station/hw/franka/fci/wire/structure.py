@@ -39,11 +39,13 @@ class Structure:
         self.offsets: dict[str, int] = {}
         self.counts: dict[str, int] = {}
         self._is_scalar: dict[str, bool] = {}
+        self._packers: dict[str, struct.Struct] = {}
         size = 0
         for name, form in fields:
             count, kind = int(form[:-1] or 1), form[-1]
             self.offsets[name], self.counts[name] = size, count
             self._is_scalar[name] = len(form) == 1
+            self._packers[name] = struct.Struct("<" + form)
             size += count * _SIZES[kind]
         self._packer = struct.Struct("<" + "".join(form for _, form in fields))
         self.size = size
@@ -90,3 +92,22 @@ class Structure:
             values[name] = numbers[0] if self._is_scalar[name] else numbers
             start += count
         return values
+
+    def write(self, message: bytearray, name: str, *numbers: float) -> None:
+        """Write the numbers of one field into a message.
+
+        Args:
+            message: The message.
+            name: Name of the field.
+            numbers: As many numbers as the field has.
+        """
+        self._packers[name].pack_into(message, self.offsets[name], *numbers)
+
+    def read(self, message: bytearray, name: str) -> tuple[Any, ...]:
+        """Return the numbers of one field of a message.
+
+        Args:
+            message: The message; longer is allowed.
+            name: Name of the field.
+        """
+        return self._packers[name].unpack_from(message, self.offsets[name])
