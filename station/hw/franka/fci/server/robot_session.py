@@ -23,7 +23,6 @@ Robot; differs: a simulated arm gives way in all directions when it is guided, a
 no filters of its own, so that only these settings are accepted.
 """
 
-import struct
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 from typing import Any, TypeAlias
@@ -137,7 +136,6 @@ arm cannot change the setting now."""
 
 
 _READINGS = 18  # of the accelerometers on one side of the boards
-_ID = struct.Struct("<Q")
 
 
 class StateWriter:
@@ -156,10 +154,9 @@ class StateWriter:
     """
 
     def __init__(self, arm: RobotArm, protocol: RobotProtocol) -> None:
-        self._arm, self._state, layout = arm, arm.state, protocol.state
-        self.message = bytearray(layout.size)
-        self._places = layout.offsets
-        self._numbers = StateNumbers(layout, self.message, arm.state)
+        self._arm, self._layout = arm, protocol.state
+        self.message = bytearray(self._layout.size)
+        self._numbers = StateNumbers(self._layout, self.message, arm.state)
         self._accelerations = self._numbers.accelerations
         self._merged = [ERROR_INDEX[name] for name in protocol.merged_errors]
 
@@ -171,43 +168,38 @@ class StateWriter:
             generator: `motion_generator_mode` on the wire.
             controller: `controller_mode` on the wire.
         """
-        state, message, places = self._state, self.message, self._places
-        _ID.pack_into(message, 0, message_id)
+        state, message, places = self._arm.state, self.message, self._layout.offsets
+        self._layout.write(message, "message_id", message_id)
         self._numbers.write()
         if self._accelerations.size and (readings := self._arm.accelerometers()):
             self._accelerations[:_READINGS], self._accelerations[_READINGS:] = readings
         message[places["motion_generator_mode"]] = generator
         message[places["controller_mode"]] = controller
+        message[places["robot_mode"]] = state.robot_mode.value
         for name, flags in (
             ("errors", state.current_errors),
             ("reflex_reason", state.last_motion_errors),
         ):
-            place = places[name]
-            message[place : place + len(flags)] = bytes(flags)
+            raised = bytearray(flags)
             for merged in self._merged:
-                if message[place + merged]:
-                    message[place + merged] = 0
-                    message[place + ERROR_INDEX[MERGED_INTO]] = 1
-        message[places["robot_mode"]] = state.robot_mode.value
+                raised[ERROR_INDEX[MERGED_INTO]] |= raised[merged]
+                raised[merged] = False
+            message[places[name] : places[name] + len(raised)] = raised
         return message
 
 
 ModelLibrary: TypeAlias = Callable[[int, int], bytes | None]
 """Returns the model library for an architecture and a system; None if there is none."""
 
-_CONTROLLERS = dict(zip(MoveController, ControllerMode, strict=True))
-_GENERATORS = {g: MotionGeneratorMode[g.name] for g in MoveGenerator}
 _ENDS = {
     RobotMode.REFLEX: MoveStatus.REFLEX_ABORTED,
     RobotMode.USER_STOPPED: MoveStatus.EMERGENCY_ABORTED,
-    RobotMode.OTHER: MoveStatus.ABORTED,
     RobotMode.IDLE: MoveStatus.PREEMPTED,
 }
 _RECOVERIES = {
     RobotMode.IDLE: RecoveryStatus.SUCCESS,
     RobotMode.REFLEX: RecoveryStatus.REFLEX_ABORTED,
     RobotMode.USER_STOPPED: RecoveryStatus.EMERGENCY_ABORTED,
-    RobotMode.OTHER: RecoveryStatus.ABORTED,
 }
 _TAKEN = "The controllers of the station command the arm, or the station is stopped."
 
@@ -372,7 +364,9 @@ class RobotSession(Session[Command]):
         if not self._is_free():
             return self._refuse(request, status, _TAKEN)
         try:
-            self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
+            self._arm.start_motion(
+                ControllerMode[controller.name], MotionGeneratorMode[generator.name]
+            )
         except SingularStartError as error:
             status = MoveStatus.START_AT_SINGULAR_POSE_REJECTED
             return self._refuse(request, status, error.message)
