@@ -9,8 +9,9 @@ from station.hw.franka.fci.wire.robot_protocol import (
     ConnectStatus,
     Exchange,
     FciProtocol,
+    row,
 )
-from station.hw.franka.fci.wire.structure import Field, Structure, fields
+from station.hw.franka.fci.wire.structure import Structure, fields
 
 GRIPPER_HEADER = Structure(fields("H command", "I command_id size"))
 """Head of every TCP message to and from a hand."""
@@ -35,21 +36,16 @@ class GripperStatus(IntEnum):
     ABORTED = 3
 
 
-# Fields of the request, those of the answer behind its status, and its statuses.
-_EXCHANGES: dict[HandCommand, tuple[list[Field], list[Field], type[IntEnum]]] = {
-    HandCommand.CONNECT: (
-        fields("H version udp_port"),
-        fields("H version"),
-        ConnectStatus,
+_ROWS = {
+    HandCommand.CONNECT: row(
+        "H version udp_port", answer=["H version"], statuses=ConnectStatus
     ),
-    HandCommand.HOMING: ([], [], GripperStatus),
-    HandCommand.GRASP: (
-        fields("d width epsilon_inner epsilon_outer speed force"),
-        [],
-        GripperStatus,
+    HandCommand.HOMING: row(statuses=GripperStatus),
+    HandCommand.GRASP: row(
+        "d width epsilon_inner epsilon_outer speed force", statuses=GripperStatus
     ),
-    HandCommand.MOVE: (fields("d width speed"), [], GripperStatus),
-    HandCommand.STOP: ([], [], GripperStatus),
+    HandCommand.MOVE: row("d width speed", statuses=GripperStatus),
+    HandCommand.STOP: row(statuses=GripperStatus),
 }
 
 HAND = FciProtocol(
@@ -65,7 +61,7 @@ HAND = FciProtocol(
             command,
             tuple(statuses),
         )
-        for command, (request, answer, statuses) in _EXCHANGES.items()
+        for command, (request, answer, statuses) in _ROWS.items()
     },
     state=Structure(
         fields("I message_id", "d width max_width", "? is_grasped", "H temperature")

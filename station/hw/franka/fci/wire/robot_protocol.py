@@ -233,58 +233,62 @@ class FciProtocol(Generic[CommandT]):
 RobotProtocol: TypeAlias = FciProtocol[Command]
 """One version of the protocol of an arm."""
 
-_THRESHOLDS: list[Field] = [
-    (f"{bound}_{kind}_thresholds_{phase}", "7d" if kind == "torque" else "6d")
-    for kind in ("torque", "force")
+Row: TypeAlias = tuple[list[Field], list[Field], type[IntEnum]]
+"""Fields of a request, those of its answer behind the status, and the statuses."""
+
+
+def row(
+    *request: str,
+    answer: Sequence[str] = (),
+    statuses: type[IntEnum] = SetterStatus,
+) -> Row:
+    """Return the row of a command.
+
+    Args:
+        request: Fields of the request, as `fields` reads them.
+        answer: Those of the answer behind the status.
+        statuses: The statuses of an answer.
+    """
+    return fields(*request), fields(*answer), statuses
+
+
+_THRESHOLDS = [
+    f"{form} {bound}_{kind}_thresholds_{phase}"
+    for form, kind in (("7d", "torque"), ("6d", "force"))
     for phase in ("acceleration", "nominal")
     for bound in ("lower", "upper")
 ]
-# Fields of the request, those of the answer behind its status, and its statuses.
-_EXCHANGES: dict[Command, tuple[list[Field], list[Field], type[IntEnum]]] = {
-    Command.CONNECT: (fields("H version udp_port"), fields("H version"), ConnectStatus),
-    Command.MOVE: (
-        fields(
-            "I controller_mode motion_generator_mode",
-            "3d maximum_path_deviation maximum_goal_pose_deviation",
-            "? use_async_motion_generator",
-            "7d maximum_velocity",
-        ),
-        [],
-        MoveStatus,
+_ROWS = {
+    Command.CONNECT: row(
+        "H version udp_port", answer=["H version"], statuses=ConnectStatus
     ),
-    Command.STOP_MOVE: ([], [], StopMoveStatus),
-    Command.GET_CARTESIAN_LIMIT: (
-        fields("i id"),
-        fields("3d object_world_size", "16d object_frame", "? object_activation"),
-        SetterStatus,
+    Command.MOVE: row(
+        "I controller_mode motion_generator_mode",
+        "3d maximum_path_deviation maximum_goal_pose_deviation",
+        "? use_async_motion_generator",
+        "7d maximum_velocity",
+        statuses=MoveStatus,
     ),
-    Command.SET_COLLISION_BEHAVIOR: (_THRESHOLDS, [], SetterStatus),
-    Command.SET_JOINT_IMPEDANCE: (fields("7d K_theta"), [], SetterStatus),
-    Command.SET_CARTESIAN_IMPEDANCE: (fields("6d K_x"), [], SetterStatus),
-    Command.SET_GUIDING_MODE: (
-        fields("6? guiding_mode", "? nullspace"),
-        [],
-        SetterStatus,
+    Command.STOP_MOVE: row(statuses=StopMoveStatus),
+    Command.GET_CARTESIAN_LIMIT: row(
+        "i id",
+        answer=["3d object_world_size", "16d object_frame", "? object_activation"],
     ),
-    Command.SET_EE_TO_K: (fields("16d EE_T_K"), [], SetterStatus),
-    Command.SET_NE_TO_EE: (fields("16d NE_T_EE"), [], SetterStatus),
-    Command.SET_LOAD: (
-        fields("d m_load", "3d F_x_Cload", "9d I_load"),
-        [],
-        SetterStatus,
+    Command.SET_COLLISION_BEHAVIOR: row(*_THRESHOLDS),
+    Command.SET_JOINT_IMPEDANCE: row("7d K_theta"),
+    Command.SET_CARTESIAN_IMPEDANCE: row("6d K_x"),
+    Command.SET_GUIDING_MODE: row("6? guiding_mode", "? nullspace"),
+    Command.SET_EE_TO_K: row("16d EE_T_K"),
+    Command.SET_NE_TO_EE: row("16d NE_T_EE"),
+    Command.SET_LOAD: row("d m_load", "3d F_x_Cload", "9d I_load"),
+    Command.SET_FILTERS: row(
+        "d joint_position_filter_frequency joint_velocity_filter_frequency",
+        "d cartesian_position_filter_frequency cartesian_velocity_filter_frequency",
+        "d controller_filter_frequency",
     ),
-    Command.SET_FILTERS: (
-        fields(
-            "d joint_position_filter_frequency joint_velocity_filter_frequency",
-            "d cartesian_position_filter_frequency cartesian_velocity_filter_frequency",
-            "d controller_filter_frequency",
-        ),
-        [],
-        SetterStatus,
-    ),
-    Command.AUTOMATIC_ERROR_RECOVERY: ([], [], RecoveryStatus),
-    Command.LOAD_MODEL_LIBRARY: (fields("B architecture system"), [], LibraryStatus),
-    Command.GET_ROBOT_MODEL: ([], [], ModelStatus),
+    Command.AUTOMATIC_ERROR_RECOVERY: row(statuses=RecoveryStatus),
+    Command.LOAD_MODEL_LIBRARY: row("B architecture system", statuses=LibraryStatus),
+    Command.GET_ROBOT_MODEL: row(statuses=ModelStatus),
 }
 
 _STATE = fields(
@@ -354,12 +358,12 @@ def _has(version: int, name: str) -> bool:
     return name not in _SPOKEN or _SPOKEN[name][_VERSIONS.index(version)] == "x"
 
 
-def _structure(version: int, rows: Sequence[Field]) -> Structure:
-    return Structure([field for field in rows if _has(version, field[0])])
+def _structure(version: int, told: Sequence[Field]) -> Structure:
+    return Structure([field for field in told if _has(version, field[0])])
 
 
 def _exchange(version: int, command: Command, number: int) -> Exchange:
-    request, answer, statuses = _EXCHANGES[command]
+    request, answer, statuses = _ROWS[command]
     return Exchange(
         _structure(version, request),
         _structure(version, [("status", "B"), *answer]),
