@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
-from functools import partial
 from queue import SimpleQueue
 from typing import Any
 
@@ -149,11 +148,12 @@ class FciServer:
             Done when the ports are open or closed; an OSError if another program has
                 taken a port.
         """
-        return self.change(partial(self._set_open, is_open=is_open))
 
-    def _set_open(self, *, is_open: bool) -> None:
-        for port in self._ports:
-            port.set_open(is_open=is_open)
+        def open_or_close() -> None:
+            for port in self._ports:
+                port.set_open(is_open=is_open)
+
+        return self.change(open_or_close)
 
     def close(self) -> None:
         """Send the clients away."""

@@ -201,11 +201,11 @@ _RECOVERIES = {
     RobotMode.REFLEX: RecoveryStatus.REFLEX_ABORTED,
     RobotMode.USER_STOPPED: RecoveryStatus.EMERGENCY_ABORTED,
 }
-_TAKEN = "The controllers of the station command the arm, or the station is stopped."
-
-
-def _no_library(_architecture: int, _system: int) -> None:
-    """Return None: there is no library."""
+_REJECTIONS = {
+    SingularStartError: "START_AT_SINGULAR_POSE_REJECTED",
+    ArmCommandError: "COMMAND_NOT_POSSIBLE_REJECTED",
+    InvalidCommandError: "INVALID_ARGUMENT_REJECTED",
+}
 
 
 class RobotSession(Session[Command]):
@@ -226,7 +226,7 @@ class RobotSession(Session[Command]):
     def __init__(
         self,
         arm: RobotArm,
-        model_library: ModelLibrary = _no_library,
+        model_library: ModelLibrary = lambda _architecture, _system: None,
         protocols: Sequence[RobotProtocol] = (PANDA,),
         is_free: Callable[[], bool] = lambda: True,
         robot_model: str = "",
@@ -334,6 +334,21 @@ class RobotSession(Session[Command]):
 
     @override
     def _serve(self, request: Request[Command]) -> bytes:
+        try:
+            return self._carry_out(request)
+        except (ArmCommandError, InvalidCommandError) as error:
+            self._reason = f"{request.command.name} is refused: {error.message}"
+            name = next(n for kind, n in _REJECTIONS.items() if isinstance(error, kind))
+            statuses = self._protocol.exchanges[request.command].statuses
+            return self._say(request, next(s for s in statuses if s.name == name))
+
+    def _carry_out(self, request: Request[Command]) -> bytes:
+        """Carry a request out; return the answers that are due.
+
+        Raises:
+            ArmCommandError: The request is not possible now.
+            InvalidCommandError: The request is never possible.
+        """
         if request.command in SETTERS:
             return self._change_setting(request)
         serve = {
@@ -353,25 +368,20 @@ class RobotSession(Session[Command]):
 
     def _start_motion(self, request: Request[Command]) -> bytes:
         values = request.values
-        problem = self._problem_of(values)
-        if problem is not None:
-            return self._refuse(request, MoveStatus.INVALID_ARGUMENT_REJECTED, problem)
+        if problem := self._problem_of(values):
+            raise InvalidCommandError(problem)
         controller = MoveController(values["controller_mode"])
         generator = MoveGenerator(values["motion_generator_mode"])
         is_planned = values.get("use_async_motion_generator")
         fastest = values["maximum_velocity"] if is_planned else None
-        status = MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED
         if not self._is_free():
-            return self._refuse(request, status, _TAKEN)
-        try:
-            self._arm.start_motion(
-                ControllerMode[controller.name], MotionGeneratorMode[generator.name]
+            raise ArmCommandError(
+                "The controllers of the station command the arm, or the station is "
+                "stopped."
             )
-        except SingularStartError as error:
-            status = MoveStatus.START_AT_SINGULAR_POSE_REJECTED
-            return self._refuse(request, status, error.message)
-        except ArmCommandError as error:
-            return self._refuse(request, status, error.message)
+        self._arm.start_motion(
+            ControllerMode[controller.name], MotionGeneratorMode[generator.name]
+        )
         self._motion, self._command, self._fastest = request, None, fastest
         self._answered, self._is_finishing = 0, False
         self._generator, self._controller = 1 + generator, controller
@@ -379,10 +389,8 @@ class RobotSession(Session[Command]):
 
     def _problem_of(self, values: Mapping[str, Any]) -> str | None:
         """Return the reason why no arm can make such a motion; None if an arm can."""
-        controller, generator = (
-            values["controller_mode"],
-            values["motion_generator_mode"],
-        )
+        controller = values["controller_mode"]
+        generator = values["motion_generator_mode"]
         if controller not in list(MoveController):
             return f"There is no controller mode {controller}."
         if generator not in self._protocol.generators:
@@ -405,10 +413,6 @@ class RobotSession(Session[Command]):
             return "A maximum velocity is not above 0 or not finite."
         return None
 
-    def _refuse(self, request: Request[Command], status: int, reason: str) -> bytes:
-        self._reason = f"{request.command.name} is refused: {reason}"
-        return self._say(request, status)
-
     def _stop_motion(self, request: Request[Command]) -> bytes:
         answers = b""
         mode = self._arm.state.robot_mode
@@ -421,19 +425,10 @@ class RobotSession(Session[Command]):
         return answers + self._say(request, StopMoveStatus.SUCCESS)
 
     def _change_setting(self, request: Request[Command]) -> bytes:
-        status = SetterStatus.SUCCESS
         if self._arm.state.robot_mode is RobotMode.MOVE:
-            status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
-            return self._refuse(request, status, "The arm moves.")
-        try:
-            SETTERS[request.command](self._arm, request.values)
-        except InvalidCommandError as error:
-            status = SetterStatus.INVALID_ARGUMENT_REJECTED
-            return self._refuse(request, status, error.message)
-        except ArmCommandError as error:
-            status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
-            return self._refuse(request, status, error.message)
-        return self._say(request, status)
+            raise ArmCommandError("The arm moves.")
+        SETTERS[request.command](self._arm, request.values)
+        return self._say(request, SetterStatus.SUCCESS)
 
     def _cartesian_limit(self, request: Request[Command]) -> bytes:
         """Answer that there are no virtual walls: a simulated arm has none."""
@@ -442,13 +437,9 @@ class RobotSession(Session[Command]):
 
     def _recover(self, request: Request[Command]) -> bytes:
         arm = self._arm
-        rejected = RecoveryStatus.COMMAND_NOT_POSSIBLE_REJECTED
         if arm.state.robot_mode is RobotMode.MOVE or self._recovery is not None:
-            return self._say(request, rejected)
-        try:
-            arm.automatic_error_recovery()
-        except ArmCommandError as error:
-            return self._refuse(request, rejected, error.message)
+            return self._say(request, RecoveryStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+        arm.automatic_error_recovery()
         self._recovery = request
         return self._advance_recovery()
 
