@@ -173,8 +173,12 @@ class ArmLink:
     def receive(self) -> bool:
         """Wait for a newer state, `SLICE` at most; return whether one has come.
 
-        States that have piled up are passed over, as in libfranka.
+        States that have piled up are passed over, as in libfranka. In place of waiting
+        for a lost arm, sleep for a cycle.
         """
+        if self.loss is not None:
+            time.sleep(CYCLE_TIME)
+            return False
         reader, network = self.reader, self._network
         size = network.wait(reader.message)
         if not reader.is_newer(size):
@@ -198,10 +202,6 @@ class ArmLink:
         elapsed = self.reader.message_id - self._counted
         self._counted = self.reader.message_id
         return elapsed if self.loss is None else 1
-
-    def pass_time(self) -> None:
-        """Sleep for a cycle, in place of waiting for a lost arm."""
-        time.sleep(CYCLE_TIME)
 
     def send_command(self, message: bytearray) -> None:
         """Send a command; a datagram that the network does not take is lost."""
@@ -253,8 +253,7 @@ class ArmLink:
         mode = self.reader.robot_mode
         todo = REMEDIES.get(mode, "stop the running motion, then try again")
         return ArmCommandError(
-            refusal_of(answer, mode),
-            remedy=f"{todo[0].upper()}{todo[1:]}.",
+            refusal_of(answer, mode), remedy=f"{todo[0].upper()}{todo[1:]}."
         )
 
     def forget(self, number: int) -> None:

@@ -54,15 +54,9 @@ class MotionLog:
     def _record(self, message: bytes, command: bytes) -> ArmRecord:
         state = self._protocol.state.unpack(message)
         sent = self._protocol.command.unpack(command)[self._command]
-        return ArmRecord(
-            state["message_id"] * CYCLE_TIME,
-            state["q"],
-            state["dq"],
-            state["tau_J"],
-            state["q_d"],
-            state["tau_J_d"],
-            sent,
-        )
+        told = {name: state[name] for name in ("q", "dq", "tau_J", "q_d", "tau_J_d")}
+        time = state["message_id"] * CYCLE_TIME
+        return ArmRecord(time=time, command=sent, **told)
 
 
 _DEVIATIONS = (10.0, 3.12, 2.0 * pi)
@@ -97,6 +91,7 @@ class CommandedMotion:
         send: Sends a command.
 
     Attributes:
+        log: The last cycles of the motion.
         is_late: Whether the present cycle has passed, so that nothing is sent for it.
     """
 
@@ -113,7 +108,7 @@ class CommandedMotion:
         self._generator = MotionGeneratorMode.NONE
         self._modes = (0, 0)  # as on the wire
         self._needed = self._given = 0
-        self._log = MotionLog(protocol, "tau_J_d")
+        self.log = MotionLog(protocol, "tau_J_d")
         self.is_late = False
 
     def begin_motion(
@@ -136,7 +131,7 @@ class CommandedMotion:
         moves = generator is not MotionGeneratorMode.NONE
         self._needed, self._given = _TORQUES * needs_torques + _MOTION * moves, 0
         self._message[:] = bytes(len(self._message))
-        self._log = MotionLog(self._protocol, _FIELDS[generator])
+        self.log = MotionLog(self._protocol, _FIELDS[generator])
         return {
             "controller_mode": kind,
             "motion_generator_mode": motion,
@@ -155,16 +150,12 @@ class CommandedMotion:
 
     def note_state(self) -> None:
         """Keep the newest state for the log."""
-        self._log.note(self._reader.message, self._message)
+        self.log.note(self._reader.message, self._message)
 
     def is_shown(self) -> bool:
         """Return whether the robot's newest state reports that this motion runs."""
         reader = self._reader
         return reader.robot_mode is RobotMode.MOVE and reader.modes == self._modes
-
-    def records(self) -> list[ArmRecord]:
-        """Return the last cycles, oldest first."""
-        return self._log.records()
 
     def torques(self, tau: Storage) -> None:
         """Command torques.

@@ -109,24 +109,17 @@ def realtime_problem(thread: int, kernel: Path = _KERNEL) -> str | None:
     Source:
         libfranka@0.9.2 src/control_loop.cpp, ControlLoop; src/control_tools.cpp.
     """
+    problem = "libfranka: unable to set realtime scheduling"
     try:
         scheduler = os.sched_getscheduler(thread)
     except (AttributeError, OSError):
-        return f"libfranka: unable to set realtime scheduling; {_REMEDY}"
+        return f"{problem}; {_REMEDY}"
     if scheduler != os.SCHED_FIFO:
-        return (
-            "libfranka: unable to set realtime scheduling: SCHED_FIFO is not granted; "
-            f"{_REMEDY}"
-        )
-    try:
-        is_realtime = kernel.read_text("ascii").strip() == "1"
-    except OSError:
-        is_realtime = False
-    if not is_realtime:
-        return (
-            f"libfranka: Running kernel does not have realtime capabilities; {_REMEDY}"
-        )
-    return None
+        return f"{problem}: SCHED_FIFO is not granted; {_REMEDY}"
+    with contextlib.suppress(OSError):
+        if kernel.read_text("ascii").strip() == "1":
+            return None
+    return f"libfranka: Running kernel does not have realtime capabilities; {_REMEDY}"
 
 
 _LONGEST_START = 1000
@@ -198,10 +191,7 @@ class FciArm(RobotArm):
         returns at once, as often as cycles have elapsed.
         """
         self._look_for_return()
-        if self._link.loss is None:
-            self._link.receive()
-        else:
-            self._link.pass_time()
+        self._link.receive()
         self._due = elapsed = self._link.count()
         return elapsed
 
@@ -212,7 +202,7 @@ class FciArm(RobotArm):
         self._look_for_return()
         if self._due > 0:
             self._due -= 1
-        elif self._link.loss is None:
+        else:
             self._link.receive_next()
             self._link.count()
         self._commands.is_late = self._due > 0
@@ -397,7 +387,7 @@ class FciArm(RobotArm):
 
     @override
     def log(self) -> list[ArmRecord]:
-        return self._commands.records() if self._has_failed else []
+        return self._commands.log.records() if self._has_failed else []
 
     @override
     def remedy(self) -> str | None:
@@ -466,17 +456,15 @@ class FciArm(RobotArm):
         if answer.status != MoveStatus.MOTION_STARTED:
             raise self._link.refused(answer)
         for _ in range(_LONGEST_START):
-            if self._commands.is_shown() or self._link.loss is not None:
+            if self._link.loss is not None:
                 break
+            if self._commands.is_shown():
+                return answer.command_id
             self._link.receive_next()
             end = self._link.take_answer(answer.command_id)
             if end is not None:
                 raise self._link.refused(end)
-        if not self._commands.is_shown() or self._link.loss is not None:
-            raise ArmCommandError(
-                "The arm does not show the motion that it has accepted."
-            )
-        return answer.command_id
+        raise ArmCommandError("The arm does not show the motion that it has accepted.")
 
     def _set(self, command: Command, values: Mapping[str, Any]) -> None:
         """Change a setting, and wait for a state that shows it.
