@@ -2,47 +2,28 @@
 
 import contextlib
 import socket
-import struct
 import threading
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from station.core.errors import ArmCommandError, InvalidCommandError, StationError
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.hw.franka.fci.driver.fci_client import FciClient, RobotAnswer, robot_client
+from station.hw.franka.fci.driver.fci_client import Connection, RobotAnswer, connect
 from station.hw.franka.fci.driver.network import (
     SLICE,
     UDP_TIMEOUT,
+    FciNetwork,
     FciNetworkError,
-    Network,
 )
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
-from station.hw.franka.fci.driver.state_reader import StateReader
+from station.hw.franka.fci.driver.state_reader import CYCLE_TIME, StateReader
 from station.hw.franka.fci.wire.messages import NOTHING, FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     Command,
     RobotProtocol,
     SetterStatus,
 )
-
-_ID = struct.Struct("<Q")
-
-
-@dataclass(frozen=True, slots=True)
-class Connection:
-    """A connection to an arm that has sent its first state.
-
-    Attributes:
-        network: The network.
-        client: Asks the arm.
-        message_id: Number of the first state.
-    """
-
-    network: Network
-    client: FciClient[Command]
-    message_id: int
 
 
 class Reconnection:
@@ -57,11 +38,11 @@ class Reconnection:
     """
 
     def __init__(
-        self, open_network: Callable[[], Network], protocol: RobotProtocol
+        self, open_network: Callable[[], FciNetwork], protocol: RobotProtocol
     ) -> None:
         self._open_network, self._protocol = open_network, protocol
         self._settings: list[tuple[Command, Mapping[str, Any]]] = []
-        self._found: Connection | str | None = None
+        self._found: Connection[Command] | str | None = None
         self._word, self._ear = socket.socketpair()
         self._word.settimeout(0.0)
         self._thread = threading.Thread(target=self._run, name="connect", daemon=True)
@@ -78,7 +59,7 @@ class Reconnection:
         with contextlib.suppress(BlockingIOError):
             self._word.send(b"\0")
 
-    def take_connection(self) -> Connection | str | None:
+    def take_connection(self) -> Connection[Command] | str | None:
         """Return, once, a new connection or why it failed; None without either."""
         found, self._found = self._found, None
         return found
@@ -98,46 +79,24 @@ class Reconnection:
             except StationError as error:
                 self._found = error.message
 
-    def _connect(self) -> Connection:
-        """Connect, and wait for the first state.
+    def _connect(self) -> Connection[Command]:
+        """Connect, and send the settings.
 
         Raises:
             StationError: The arm does not answer (`FciNetworkError`), or speaks another
                 version (`FciProtocolError`).
             FciNetworkError: The arm refuses a setting.
         """
-        network = self._open_network()
+        made = connect(self._open_network(), self._protocol)
         try:
-            client = robot_client(network, self._protocol)
-            client.connect()
-            number = self._first_state(network)
             for command, values in self._settings:
-                answer = client.ask(command, values)
+                answer = made.client.ask(command, values)
                 if answer.status:  # 0 is success for every command
-                    mode = RobotMode.OTHER
-                    raise FciNetworkError(refusal_of(command, answer.status, mode))
+                    raise FciNetworkError(refusal_of(answer, RobotMode.OTHER))
         except StationError:
-            network.close()
+            made.network.close()
             raise
-        return Connection(network, client, number)
-
-    def _first_state(self, network: Network) -> int:
-        """Return the number of the first state.
-
-        Raises:
-            FciNetworkError: No state has come.
-        """
-        size = self._protocol.state.size
-        buffer = bytearray(size + 1)
-        for _ in range(round(UDP_TIMEOUT / SLICE)):
-            if network.wait(buffer) == size:
-                number: int = _ID.unpack_from(buffer, 0)[0]
-                return number
-        raise FciNetworkError("libfranka: UDP receive: Timeout")
-
-
-CYCLE_TIME = 0.001
-"""Time from one state to the next [s]."""
+        return made
 
 
 class ArmLink:
@@ -149,7 +108,7 @@ class ArmLink:
         network: The connection to the arm.
         protocol: The version that is spoken.
         state: The state to keep up to date.
-        on_state: Called after every state that was read.
+        on_state: Called after every state but the first of a connection.
         on_loss: Called when the arm is lost.
         reopen: Opens a new connection to the arm; None for an arm that stays lost.
 
@@ -165,45 +124,21 @@ class ArmLink:
 
     def __init__(
         self,
-        network: Network,
+        network: FciNetwork,
         protocol: RobotProtocol,
         state: RobotState,
         *,
         on_state: Callable[[], None],
         on_loss: Callable[[], None],
-        reopen: Callable[[], Network] | None = None,
+        reopen: Callable[[], FciNetwork] | None = None,
     ) -> None:
-        self._network = network
         self._on_state, self._on_loss = on_state, on_loss
-        self._client = robot_client(network, protocol)
-        self.reader = StateReader(state, protocol, CYCLE_TIME)
+        self.reader = StateReader(state, protocol)
         self.loss: str | None = None
         self.is_returning = False
-        self._reconnection = reopen and Reconnection(reopen, protocol)
-        self._silence = 0.0
         self._counted = 0  # message_id up to which `count` has counted
-
-    def connect(self) -> None:
-        """Send this side's version, and wait for the first state.
-
-        Raises:
-            StationError: The arm does not answer (`FciNetworkError`), or does not
-                speak this version (`FciProtocolError`).
-            FciNetworkError: No state has come.
-        """
-        try:
-            self._client.connect()
-            self.receive_next()
-            if self.loss is not None:
-                raise FciNetworkError(
-                    self.loss,
-                    remedy="Let UDP datagrams of the arm through the firewall.",
-                )
-        except StationError:
-            # Nobody owns a link that has never connected: its thread ends here.
-            self.close()
-            raise
-        self._counted = self.reader.message_id
+        self._take(connect(network, protocol))
+        self._reconnection = reopen and Reconnection(reopen, protocol)
 
     def begin_return(self, settings: list[tuple[Command, Mapping[str, Any]]]) -> None:
         """Ask for a new connection to a lost arm; `receive_return` takes it over.
@@ -232,16 +167,18 @@ class ArmLink:
         if isinstance(found, str):
             self.loss = found
             return False
-        self._network, self._client = found.network, found.client
-        self.reader.begin_anew(found.message_id)
-        self._counted, self._silence, self.loss = found.message_id, 0.0, None
+        self._take(found)
         return True
 
     def receive(self) -> bool:
         """Wait for a newer state, `SLICE` at most; return whether one has come.
 
-        States that have piled up are passed over, as in libfranka.
+        States that have piled up are passed over, as in libfranka. In place of waiting
+        for a lost arm, sleep for a cycle.
         """
+        if self.loss is not None:
+            time.sleep(CYCLE_TIME)
+            return False
         reader, network = self.reader, self._network
         size = network.wait(reader.message)
         if not reader.is_newer(size):
@@ -265,10 +202,6 @@ class ArmLink:
         elapsed = self.reader.message_id - self._counted
         self._counted = self.reader.message_id
         return elapsed if self.loss is None else 1
-
-    def pass_time(self) -> None:
-        """Sleep for a cycle, in place of waiting for a lost arm."""
-        time.sleep(CYCLE_TIME)
 
     def send_command(self, message: bytearray) -> None:
         """Send a command; a datagram that the network does not take is lost."""
@@ -308,7 +241,7 @@ class ArmLink:
         answer = self.ask(command, values)
         if answer.status == SetterStatus.INVALID_ARGUMENT_REJECTED:
             raise InvalidCommandError(
-                refusal_of(command, answer.status, self.reader.robot_mode),
+                refusal_of(answer, self.reader.robot_mode),
                 remedy="Give values that this arm allows.",
             )
         if answer.status != SetterStatus.SUCCESS:
@@ -320,8 +253,7 @@ class ArmLink:
         mode = self.reader.robot_mode
         todo = REMEDIES.get(mode, "stop the running motion, then try again")
         return ArmCommandError(
-            refusal_of(answer.command, answer.status, mode),
-            remedy=f"{todo[0].upper()}{todo[1:]}.",
+            refusal_of(answer, mode), remedy=f"{todo[0].upper()}{todo[1:]}."
         )
 
     def forget(self, number: int) -> None:
@@ -341,6 +273,13 @@ class ArmLink:
         if self._reconnection is not None:
             self._reconnection.close()
         self._network.close()
+
+    def _take(self, connection: Connection[Command]) -> None:
+        """Go on with a new connection, whose first state nobody is told of."""
+        self._network, self._client = connection.network, connection.client
+        self.reader.begin(connection.state)
+        self._counted = self.reader.message_id
+        self._silence, self.loss = 0.0, None
 
     def _read(self) -> None:
         self.reader.read()

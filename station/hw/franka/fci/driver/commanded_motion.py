@@ -3,7 +3,6 @@
 Source: libfranka@0.9.2 src/robot_impl.cpp, Robot::Impl::sendRobotCommand, update.
 """
 
-import struct
 from collections import deque
 from collections.abc import Callable, Sequence
 from math import isfinite, pi
@@ -13,109 +12,14 @@ from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.arm.transform_check import transform_problem
-from station.hw.franka.fci.driver.state_reader import StateReader
+from station.hw.franka.fci.driver.state_reader import CYCLE_TIME, StateReader
 from station.hw.franka.fci.wire.robot_protocol import (
     MoveController,
     MoveGenerator,
     RobotProtocol,
 )
-from station.memory.doubles import Storage, put
+from station.memory.doubles import Storage
 from station.reports import ArmRecord
-
-_ID = struct.Struct("<Q")
-_FIRST_DOUBLE, _BEHIND_DOUBLES = "q_c", "valid_elbow"
-
-
-class CommandWriter:
-    """Keeps one message; every command replaces a part of it. Control thread.
-
-    Args:
-        protocol: The version of the protocol.
-
-    Attributes:
-        message: The message.
-    """
-
-    def __init__(self, protocol: RobotProtocol) -> None:
-        layout = protocol.command
-        self.message = bytearray(layout.size)
-        self._places = places = layout.offsets
-        first, behind = places[_FIRST_DOUBLE], places[_BEHIND_DOUBLES]
-        numbers = memoryview(self.message)[first:behind].cast("d")
-        self._parts = {
-            name: numbers[(places[name] - first) // 8 :][: layout.counts[name]]
-            for name in ("q_c", "dq_c", "O_T_EE_c", "O_dP_EE_c", "elbow_c")
-        }
-        self._torques = struct.Struct(f"<{layout.counts['tau_J_d']}d")
-
-    def clear(self) -> None:
-        """Forget the commands of an earlier motion."""
-        self.message[:] = bytes(len(self.message))
-
-    def number(self, message_id: int) -> None:
-        """Write the number of the state that the message answers."""
-        _ID.pack_into(self.message, 0, message_id)
-
-    def joints(self, name: str, values: Storage) -> None:
-        """Write joint positions (`q_c`, [rad]) or velocities (`dq_c`, [rad/s]), (7,).
-
-        Raises:
-            InvalidCommandError: `values` are not 7 finite numbers.
-        """
-        _check(values, 7, "joint commands")
-        put(self._parts[name], values)
-
-    def torques(self, values: Storage) -> None:
-        """Write torques [Nm], shape (7,).
-
-        Raises:
-            InvalidCommandError: `values` are not 7 finite numbers.
-        """
-        _check(values, 7, "joint torques")
-        self._torques.pack_into(self.message, self._places["tau_J_d"], *values)
-
-    def cartesian(
-        self, name: str, values: Storage, elbow: Sequence[float] | None
-    ) -> None:
-        """Write a pose (`O_T_EE_c`) or a twist (`O_dP_EE_c`).
-
-        Args:
-            name: Name of the interface.
-            values: The numbers.
-            elbow: Position of joint 3 [rad] and sign of joint 4, or None.
-
-        Raises:
-            InvalidCommandError: The numbers are not a pose or twist, or the elbow is
-                impossible.
-        """
-        part = self._parts[name]
-        _check(values, len(part), "a Cartesian command")
-        problem = transform_problem(values) if name == "O_T_EE_c" else None
-        if problem is not None:
-            raise InvalidCommandError(
-                f"The commanded pose {[*values]} is no transform: {problem}."
-            )
-        if elbow is not None:
-            _check_elbow(elbow)
-            put(self._parts["elbow_c"], elbow)
-        put(part, values)
-        self.message[self._places["valid_elbow"]] = elbow is not None
-
-
-def _check(values: Storage, size: int, what: str) -> None:
-    if len(values) != size or not all(map(isfinite, values)):
-        raise InvalidCommandError(
-            f"{[*values]} are not {what}: {size} finite numbers are needed."
-        )
-
-
-def _check_elbow(elbow: Sequence[float]) -> None:
-    if len(elbow) != 2 or not isfinite(elbow[0]) or abs(elbow[1]) != 1.0:
-        raise InvalidCommandError(
-            f"Elbow {[*elbow]} is impossible: give the position of joint 3 and the "
-            "sign of joint 4, +1 or -1."
-        )
-
 
 _LENGTH = 50
 """Number of cycles kept. Source: libfranka@0.9.2 include/franka/robot.h, `log_size`."""
@@ -127,15 +31,10 @@ class MotionLog:
     Args:
         protocol: The version of the protocol.
         command: The field of the client's commands, e.g. `q_c`.
-        cycle_time: Time from one state to the next [s].
     """
 
-    def __init__(
-        self, protocol: RobotProtocol, command: str, cycle_time: float
-    ) -> None:
-        self._protocol = protocol
-        self._command = command
-        self._cycle_time = cycle_time
+    def __init__(self, protocol: RobotProtocol, command: str) -> None:
+        self._protocol, self._command = protocol, command
         self._cycles: deque[tuple[bytes, bytes]] = deque(maxlen=_LENGTH)
 
     def note(self, state: bytearray, command: bytearray) -> None:
@@ -155,28 +54,27 @@ class MotionLog:
     def _record(self, message: bytes, command: bytes) -> ArmRecord:
         state = self._protocol.state.unpack(message)
         sent = self._protocol.command.unpack(command)[self._command]
-        return ArmRecord(
-            state["message_id"] * self._cycle_time,
-            state["q"],
-            state["dq"],
-            state["tau_J"],
-            state["q_d"],
-            state["tau_J_d"],
-            sent,
-        )
+        told = {name: state[name] for name in ("q", "dq", "tau_J", "q_d", "tau_J_d")}
+        time = state["message_id"] * CYCLE_TIME
+        return ArmRecord(time=time, command=sent, **told)
 
 
 _DEVIATIONS = (10.0, 3.12, 2.0 * pi)
 """Largest deviations from a motion [m, rad, rad]. Source: libfranka@0.9.2
 src/control_loop.h, kDefaultDeviation."""
-_CONTROLLERS = dict(zip(ControllerMode, MoveController, strict=True))
-_GENERATORS = {MotionGeneratorMode[g.name]: g for g in MoveGenerator}
 _FIELDS = {
     MotionGeneratorMode.NONE: "tau_J_d",
     MotionGeneratorMode.JOINT_POSITION: "q_c",
     MotionGeneratorMode.JOINT_VELOCITY: "dq_c",
     MotionGeneratorMode.CARTESIAN_POSITION: "O_T_EE_c",
     MotionGeneratorMode.CARTESIAN_VELOCITY: "O_dP_EE_c",
+}
+_WORDS = {
+    "tau_J_d": "joint torques",
+    "q_c": "joint commands",
+    "dq_c": "joint commands",
+    "O_T_EE_c": "a Cartesian command",
+    "O_dP_EE_c": "a Cartesian command",
 }
 _TORQUES, _MOTION = 1, 2
 
@@ -191,9 +89,9 @@ class CommandedMotion:
         protocol: The version that is spoken.
         reader: The newest state.
         send: Sends a command.
-        cycle_time: Time from one state to the next [s].
 
     Attributes:
+        log: The last cycles of the motion.
         is_late: Whether the present cycle has passed, so that nothing is sent for it.
     """
 
@@ -202,16 +100,15 @@ class CommandedMotion:
         protocol: RobotProtocol,
         reader: StateReader,
         send: Callable[[bytearray], None],
-        cycle_time: float,
     ) -> None:
         self._protocol, self._reader, self._send = protocol, reader, send
-        self._cycle_time = cycle_time
-        self._writer = CommandWriter(protocol)
+        self._layout = protocol.command
+        self._message = bytearray(self._layout.size)
         self._controller: ControllerMode | None = None
         self._generator = MotionGeneratorMode.NONE
         self._modes = (0, 0)  # as on the wire
         self._needed = self._given = 0
-        self._log = MotionLog(protocol, "tau_J_d", cycle_time)
+        self.log = MotionLog(protocol, "tau_J_d")
         self.is_late = False
 
     def begin_motion(
@@ -223,7 +120,7 @@ class CommandedMotion:
             controller: Controller that makes the torques.
             generator: Kind of the commanded motion.
         """
-        kind, motion = _CONTROLLERS[controller], _GENERATORS[generator]
+        kind, motion = MoveController[controller.name], MoveGenerator[generator.name]
         # A version without a generator for torques alone gets a motion with joint
         # velocities that are zero, as from libfranka.
         if motion not in self._protocol.generators:
@@ -233,8 +130,8 @@ class CommandedMotion:
         needs_torques = controller is ControllerMode.EXTERNAL_CONTROLLER
         moves = generator is not MotionGeneratorMode.NONE
         self._needed, self._given = _TORQUES * needs_torques + _MOTION * moves, 0
-        self._writer.clear()
-        self._log = MotionLog(self._protocol, _FIELDS[generator], self._cycle_time)
+        self._message[:] = bytes(len(self._message))
+        self.log = MotionLog(self._protocol, _FIELDS[generator])
         return {
             "controller_mode": kind,
             "motion_generator_mode": motion,
@@ -253,16 +150,12 @@ class CommandedMotion:
 
     def note_state(self) -> None:
         """Keep the newest state for the log."""
-        self._log.note(self._reader.message, self._writer.message)
+        self.log.note(self._reader.message, self._message)
 
     def is_shown(self) -> bool:
         """Return whether the robot's newest state reports that this motion runs."""
         reader = self._reader
         return reader.robot_mode is RobotMode.MOVE and reader.modes == self._modes
-
-    def records(self) -> list[ArmRecord]:
-        """Return the last cycles, oldest first."""
-        return self._log.records()
 
     def torques(self, tau: Storage) -> None:
         """Command torques.
@@ -273,47 +166,64 @@ class CommandedMotion:
         """
         if self._controller is not ControllerMode.EXTERNAL_CONTROLLER:
             raise self._not_commandable("joint torques")
-        self._writer.torques(tau)
+        self._write("tau_J_d", tau)
         self._give(_TORQUES)
 
-    def joints(self, generator: MotionGeneratorMode, values: Storage) -> None:
-        """Command joint positions or velocities.
-
-        Raises:
-            InvalidCommandError: `values` are not 7 finite numbers.
-            ArmCommandError: The motion is of another kind.
-        """
-        self._check_generator(generator)
-        self._writer.joints(_FIELDS[generator], values)
-        self._give(_MOTION)
-
-    def cartesian(
+    def move(
         self,
         generator: MotionGeneratorMode,
         values: Storage,
-        elbow: list[float] | None,
+        elbow: Sequence[float] | None = None,
     ) -> None:
-        """Command a pose or a twist.
+        """Command joint positions or velocities, a pose or a twist.
+
+        Args:
+            generator: Kind of the command.
+            values: The numbers.
+            elbow: Position of joint 3 [rad] and sign of joint 4, or None.
 
         Raises:
-            InvalidCommandError: The numbers are not a pose or twist, or the elbow is
+            InvalidCommandError: The numbers are not such a command, or the elbow is
                 impossible.
             ArmCommandError: The motion is of another kind.
         """
-        self._check_generator(generator)
-        self._writer.cartesian(_FIELDS[generator], values, elbow)
+        if self._generator is not generator:
+            raise self._not_commandable(generator.value.replace("_", " "))
+        if elbow is not None:
+            _check_elbow(elbow)
+        self._write(_FIELDS[generator], values)
+        if elbow is not None:
+            self._layout.write(self._message, "elbow_c", *elbow)
+        self._layout.write(self._message, "valid_elbow", elbow is not None)
         self._give(_MOTION)
+
+    def _write(self, field: str, values: Storage) -> None:
+        """Write a part of the cycle's command into the message.
+
+        Raises:
+            InvalidCommandError: The values are not as many finite numbers as the field
+                has, or a pose is no transform.
+        """
+        size = self._layout.counts[field]
+        if len(values) != size or not all(map(isfinite, values)):
+            raise InvalidCommandError(
+                f"{[*values]} are not {_WORDS[field]}: {size} finite numbers are "
+                "needed."
+            )
+        problem = transform_problem(values) if field == "O_T_EE_c" else None
+        if problem is not None:
+            raise InvalidCommandError(
+                f"The commanded pose {[*values]} is no transform: {problem}."
+            )
+        self._layout.write(self._message, field, *values)
 
     def _give(self, part: int) -> None:
         """Note a part of the cycle's command; send the command when it is complete."""
         self._given |= part
         if self._given == self._needed and not self.is_late:
-            self._writer.number(self._reader.message_id)
-            self._send(self._writer.message)
-
-    def _check_generator(self, generator: MotionGeneratorMode) -> None:
-        if self._generator is not generator:
-            raise self._not_commandable(generator.value.replace("_", " "))
+            number = self._reader.message_id
+            self._layout.write(self._message, "message_id", number)
+            self._send(self._message)
 
     def _not_commandable(self, what: str) -> ArmCommandError:
         controller = self._controller.value if self._controller else "none"
@@ -321,4 +231,12 @@ class CommandedMotion:
             f"The arm takes no {what}: it is in mode {self._reader.robot_mode.name}, "
             f"controller {controller}, motion generator {self._generator.value}.",
             remedy="Start a motion with the fitting modes first.",
+        )
+
+
+def _check_elbow(elbow: Sequence[float]) -> None:
+    if len(elbow) != 2 or not isfinite(elbow[0]) or abs(elbow[1]) != 1.0:
+        raise InvalidCommandError(
+            f"Elbow {[*elbow]} is impossible: give the position of joint 3 and the "
+            "sign of joint 4, +1 or -1."
         )

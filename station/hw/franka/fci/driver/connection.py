@@ -1,6 +1,6 @@
 """Connect to the arm that the parameters of FrankaHW name, and to its hand."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 
 from station.core.errors import StationError
@@ -40,15 +40,8 @@ class RealRobot:
         self._parameters = parameters
         self._hand: RealHand | None = None
         told = parameters.robot_description
-        description = load_arm_description(told, parameters.limits)
-
-        def make_model() -> FrankaModel:
-            # Imported here: it loads MuJoCo, whose formulas combine inertias of links.
-            from station.hw.franka.simulated.arm_model import ArmModel
-
-            return ArmModel(description)
-
-        self.arm = self._connect(make_model)
+        self._description = load_arm_description(told, parameters.limits)
+        self.arm = self._connect()
         try:
             self.arm.set_collision_behavior(parameters.collision_behavior)
         except StationError:
@@ -80,7 +73,13 @@ class RealRobot:
             self._hand.close()
         self.arm.close()
 
-    def _connect(self, make_model: Callable[[], FrankaModel]) -> FciArm:
+    def _make_model(self) -> FrankaModel:
+        # Imported here: it loads MuJoCo, whose formulas combine inertias of links.
+        from station.hw.franka.simulated.arm_model import ArmModel
+
+        return ArmModel(self._description)
+
+    def _connect(self) -> FciArm:
         """Connect with the newest version of this kind of arm, or with the arm's own.
 
         The system of a real arm speaks one version, and names it when a client asks for
@@ -92,21 +91,18 @@ class RealRobot:
             IncompatibleVersionError: The arm speaks no version of this kind of arm.
         """
         spoken = versions_of_arm(self._parameters.arm)
-        by_version = {protocol.version: protocol for protocol in spoken}
         try:
-            return self._connect_with(spoken[-1], make_model)
+            return self._connect_with(spoken[-1])
         except IncompatibleVersionError as error:
-            named = by_version.get(error.server_version)
-            if named is None:
+            named = [one for one in spoken if one.version == error.server_version]
+            if not named:
                 raise
-        return self._connect_with(named, make_model)
+        return self._connect_with(named[0])
 
-    def _connect_with(
-        self, protocol: RobotProtocol, make_model: Callable[[], FrankaModel]
-    ) -> FciArm:
+    def _connect_with(self, protocol: RobotProtocol) -> FciArm:
         return FciArm(
             self._open(protocol.port),
-            make_model,
+            self._make_model,
             is_enforced=not self._parameters.waits_for_late_loop,
             protocol=protocol,
             reopen=partial(self._open, protocol.port),

@@ -5,6 +5,7 @@ without waiting for the end of the stop, and answers of the arm are read in a la
 cycle, because the control thread waits for nothing but the next state.
 """
 
+import contextlib
 import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -27,11 +28,12 @@ from station.hw.franka.arm.robot_arm import (
     MotionGeneratorMode,
     RobotArm,
 )
-from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
+from station.hw.franka.fci.driver.arm_link import ArmLink
 from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
 from station.hw.franka.fci.driver.fci_client import RobotAnswer
-from station.hw.franka.fci.driver.network import Network
+from station.hw.franka.fci.driver.network import FciNetwork
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
+from station.hw.franka.fci.driver.state_reader import CYCLE_TIME
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,
@@ -54,63 +56,38 @@ class PendingRequests:
 
     def __init__(self, link: ArmLink) -> None:
         self._link = link
-        self._waiting: list[int] = []
-        self._stop: int | None = None
-        self._recovery: int | None = None
+        self._waiting: dict[int, Command] = {}  # by the number of the request
         self.failure = ""
 
-    @property
-    def is_stopping(self) -> bool:
-        """Return whether the answer to a stop has not come yet."""
-        return self._stop is not None
+    def is_waiting(self, command: Command) -> bool:
+        """Return whether the answer to such a request has not come yet."""
+        return command in self._waiting.values()
 
-    @property
-    def is_recovering(self) -> bool:
-        """Return whether the answer to a recovery has not come yet."""
-        return self._recovery is not None
-
-    def stop(self) -> bool:
-        """Ask for a stop; return False if the arm is lost."""
-        try:
-            self._stop = self._link.send(Command.STOP_MOVE)
-        except ArmCommandError:
-            return False
-        self._waiting.append(self._stop)
-        return True
-
-    def recover(self) -> None:
-        """Ask for a recovery.
+    def send(self, command: Command) -> None:
+        """Send a request, whose answer `look` takes.
 
         Raises:
             ArmCommandError: The arm is lost.
         """
-        self.failure = ""
-        self._recovery = self._link.send(Command.AUTOMATIC_ERROR_RECOVERY)
-        self._waiting.append(self._recovery)
+        self.expect(self._link.send(command), command)
 
-    def expect(self, number: int) -> None:
-        """Wait for the answer to a request that was sent elsewhere; see `look`."""
-        self._waiting.append(number)
+    def expect(self, number: int, command: Command) -> None:
+        """Wait for an answer to a request that was sent elsewhere; see `look`."""
+        self._waiting[number] = command
 
     def look(self) -> None:
         """Take the answers that have come; called once per cycle."""
-        if not self._waiting:
-            return
         for number in list(self._waiting):
             answer = self._link.take_answer(number)
             if answer is None:
                 continue
-            self._waiting.remove(number)
-            self._stop = None if number == self._stop else self._stop
-            self._recovery = None if number == self._recovery else self._recovery
+            del self._waiting[number]
             if answer.status:  # 0 is success for every command
-                mode = self._link.reader.robot_mode
-                self.failure = refusal_of(answer.command, answer.status, mode)
+                self.failure = refusal_of(answer, self._link.reader.robot_mode)
 
     def clear(self) -> None:
         """Stop waiting for answers: the arm is lost."""
         self._waiting.clear()
-        self._stop = self._recovery = None
 
 
 _KERNEL = Path("/sys/kernel/realtime")
@@ -132,24 +109,17 @@ def realtime_problem(thread: int, kernel: Path = _KERNEL) -> str | None:
     Source:
         libfranka@0.9.2 src/control_loop.cpp, ControlLoop; src/control_tools.cpp.
     """
+    problem = "libfranka: unable to set realtime scheduling"
     try:
         scheduler = os.sched_getscheduler(thread)
     except (AttributeError, OSError):
-        return f"libfranka: unable to set realtime scheduling; {_REMEDY}"
+        return f"{problem}; {_REMEDY}"
     if scheduler != os.SCHED_FIFO:
-        return (
-            "libfranka: unable to set realtime scheduling: SCHED_FIFO is not granted; "
-            f"{_REMEDY}"
-        )
-    try:
-        is_realtime = kernel.read_text("ascii").strip() == "1"
-    except OSError:
-        is_realtime = False
-    if not is_realtime:
-        return (
-            f"libfranka: Running kernel does not have realtime capabilities; {_REMEDY}"
-        )
-    return None
+        return f"{problem}: SCHED_FIFO is not granted; {_REMEDY}"
+    with contextlib.suppress(OSError):
+        if kernel.read_text("ascii").strip() == "1":
+            return None
+    return f"libfranka: Running kernel does not have realtime capabilities; {_REMEDY}"
 
 
 _LONGEST_START = 1000
@@ -181,13 +151,13 @@ class FciArm(RobotArm):
 
     def __init__(
         self,
-        network: Network,
+        network: FciNetwork,
         make_model: Callable[[], FrankaModel],
         *,
         is_enforced: bool = True,
         protocol: RobotProtocol = PANDA,
         find_problem: Callable[[int], str | None] = realtime_problem,
-        reopen: Callable[[], Network] | None = None,
+        reopen: Callable[[], FciNetwork] | None = None,
     ) -> None:
         self.cycle_time = CYCLE_TIME
         self.state = RobotState()
@@ -203,7 +173,7 @@ class FciArm(RobotArm):
         )
         self._reader = self._link.reader
         self._commands = CommandedMotion(
-            protocol, self._reader, self._link.send_command, self.cycle_time
+            protocol, self._reader, self._link.send_command
         )
         self._pending = PendingRequests(self._link)
         self._motion: int | None = None  # number of the request
@@ -211,7 +181,7 @@ class FciArm(RobotArm):
         self._behavior: CollisionBehavior | None = None
         self._due = 0  # states that `wait` has taken and `read_once` has not
         self._thread = threading.get_native_id()
-        self._link.connect()
+        self._show_mode()
 
     def wait(self) -> int:
         """Wait for the arm's next state, `SLICE` at most; return the elapsed cycles.
@@ -221,10 +191,7 @@ class FciArm(RobotArm):
         returns at once, as often as cycles have elapsed.
         """
         self._look_for_return()
-        if self._link.loss is None:
-            self._link.receive()
-        else:
-            self._link.pass_time()
+        self._link.receive()
         self._due = elapsed = self._link.count()
         return elapsed
 
@@ -235,7 +202,7 @@ class FciArm(RobotArm):
         self._look_for_return()
         if self._due > 0:
             self._due -= 1
-        elif self._link.loss is None:
+        else:
             self._link.receive_next()
             self._link.count()
         self._commands.is_late = self._due > 0
@@ -269,9 +236,9 @@ class FciArm(RobotArm):
 
     @override
     def is_stopping(self) -> bool:
-        if self._pending.is_stopping:
+        if self._pending.is_waiting(Command.STOP_MOVE):
             self._pending.look()
-        return self._pending.is_stopping
+        return self._pending.is_waiting(Command.STOP_MOVE)
 
     @override
     def start_motion(
@@ -305,9 +272,10 @@ class FciArm(RobotArm):
             return
         self._commands.end()
         self._link.forget(motion)  # the answer to the stop tells how the motion ended
-        if self._pending.stop():
-            self._show_mode()
-            self._pending.look()
+        with contextlib.suppress(ArmCommandError):  # a lost arm has no motion
+            self._pending.send(Command.STOP_MOVE)
+        self._show_mode()
+        self._pending.look()
 
     @override
     def command_joint_torques(self, tau: Storage) -> None:
@@ -315,23 +283,23 @@ class FciArm(RobotArm):
 
     @override
     def command_joint_positions(self, q: Storage) -> None:
-        self._commands.joints(MotionGeneratorMode.JOINT_POSITION, q)
+        self._commands.move(MotionGeneratorMode.JOINT_POSITION, q)
 
     @override
     def command_joint_velocities(self, dq: Storage) -> None:
-        self._commands.joints(MotionGeneratorMode.JOINT_VELOCITY, dq)
+        self._commands.move(MotionGeneratorMode.JOINT_VELOCITY, dq)
 
     @override
     def command_cartesian_pose(
         self, pose: Storage, elbow: list[float] | None = None
     ) -> None:
-        self._commands.cartesian(MotionGeneratorMode.CARTESIAN_POSITION, pose, elbow)
+        self._commands.move(MotionGeneratorMode.CARTESIAN_POSITION, pose, elbow)
 
     @override
     def command_cartesian_velocity(
         self, twist: Storage, elbow: list[float] | None = None
     ) -> None:
-        self._commands.cartesian(MotionGeneratorMode.CARTESIAN_VELOCITY, twist, elbow)
+        self._commands.move(MotionGeneratorMode.CARTESIAN_VELOCITY, twist, elbow)
 
     @override
     def load_model(self) -> FrankaModel:
@@ -399,9 +367,11 @@ class FciArm(RobotArm):
             self._show_mode()
             return
         self.check_recovery()
+        recovery = Command.AUTOMATIC_ERROR_RECOVERY
         is_erroneous = self.state.robot_mode is RobotMode.REFLEX
-        if is_erroneous and not self._pending.is_recovering:
-            self._pending.recover()
+        if is_erroneous and not self._pending.is_waiting(recovery):
+            self._pending.failure = ""
+            self._pending.send(recovery)
 
     @override
     def errors(self) -> list[ArmError]:
@@ -417,7 +387,7 @@ class FciArm(RobotArm):
 
     @override
     def log(self) -> list[ArmRecord]:
-        return self._commands.records() if self._has_failed else []
+        return self._commands.log.records() if self._has_failed else []
 
     @override
     def remedy(self) -> str | None:
@@ -440,7 +410,7 @@ class FciArm(RobotArm):
         if self._motion is not None:
             self._commands.note_state()
             if not self._commands.is_shown():
-                self._pending.expect(self._motion)
+                self._pending.expect(self._motion, Command.MOVE)
                 self._motion, self._has_failed = None, True
                 self._commands.end()
         self._show_mode()
@@ -458,7 +428,6 @@ class FciArm(RobotArm):
         if self._link.is_returning:
             if self._link.receive_return():
                 self._pending.failure, self._has_failed = "", False
-                self._link.receive_next()
             self._show_mode()
 
     def _shown_mode(self) -> RobotMode:
@@ -487,17 +456,15 @@ class FciArm(RobotArm):
         if answer.status != MoveStatus.MOTION_STARTED:
             raise self._link.refused(answer)
         for _ in range(_LONGEST_START):
-            if self._commands.is_shown() or self._link.loss is not None:
+            if self._link.loss is not None:
                 break
+            if self._commands.is_shown():
+                return answer.command_id
             self._link.receive_next()
             end = self._link.take_answer(answer.command_id)
             if end is not None:
                 raise self._link.refused(end)
-        if not self._commands.is_shown() or self._link.loss is not None:
-            raise ArmCommandError(
-                "The arm does not show the motion that it has accepted."
-            )
-        return answer.command_id
+        raise ArmCommandError("The arm does not show the motion that it has accepted.")
 
     def _set(self, command: Command, values: Mapping[str, Any]) -> None:
         """Change a setting, and wait for a state that shows it.

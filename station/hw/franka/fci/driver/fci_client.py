@@ -4,18 +4,16 @@ Source: libfranka@0.9.2 src/network.h, connect; src/robot_impl.h, executeCommand
 """
 
 from collections.abc import Mapping
-from enum import IntEnum
-from typing import Any, Generic, Protocol, TypeAlias, TypeVar
+from dataclasses import dataclass
+from typing import Any, Generic, TypeAlias
 
+from station.core.errors import StationError
 from station.hw.franka.fci.driver.network import (
+    SLICE,
     TCP_TIMEOUT,
+    UDP_TIMEOUT,
+    FciNetwork,
     FciNetworkError,
-    Network,
-)
-from station.hw.franka.fci.wire.gripper_protocol import (
-    GRIPPER_HEADER,
-    GripperProtocol,
-    HandCommand,
 )
 from station.hw.franka.fci.wire.messages import (
     NOTHING,
@@ -24,17 +22,14 @@ from station.hw.franka.fci.wire.messages import (
     Messages,
 )
 from station.hw.franka.fci.wire.robot_protocol import (
-    HEADER,
     Command,
+    CommandT,
     ConnectStatus,
-    Exchange,
+    FciProtocol,
     RobotProtocol,
 )
-from station.hw.franka.fci.wire.structure import Structure
 
-_Command = TypeVar("_Command", bound=IntEnum)
 RobotAnswer: TypeAlias = Answer[Command]
-GripperAnswer: TypeAlias = Answer[HandCommand]
 
 
 class IncompatibleVersionError(FciProtocolError):
@@ -57,41 +52,20 @@ class IncompatibleVersionError(FciProtocolError):
         self.server_version = server_version
 
 
-class _Version(Protocol[_Command]):
-    """The properties of a protocol version that a client needs."""
-
-    @property
-    def version(self) -> int:
-        """Number of the version."""
-
-    @property
-    def exchanges(self) -> Mapping[_Command, Exchange]:
-        """Request and answer of every command."""
-
-
-class FciClient(Generic[_Command]):
+class FciClient(Generic[CommandT]):
     """Sends requests to an arm or a hand, and keeps their answers. One thread.
 
     Args:
         network: The network.
         protocol: The version that is spoken.
-        header: Head of every message.
-        connect: The command that connects.
     """
 
-    def __init__(
-        self,
-        network: Network,
-        protocol: _Version[_Command],
-        header: Structure,
-        connect: _Command,
-    ) -> None:
-        self._network = network
-        self._version, self._connect = protocol.version, connect
-        self._messages = Messages(header, protocol.exchanges)
+    def __init__(self, network: FciNetwork, protocol: FciProtocol[CommandT]) -> None:
+        self._network, self._protocol = network, protocol
+        self._messages = Messages(protocol)
         self._count = 0
         self._forgotten = 0
-        self._answers: dict[int, list[Answer[_Command]]] = {}
+        self._answers: dict[int, list[Answer[CommandT]]] = {}
 
     def connect(self) -> None:
         """Send the version of this side and the port that receives states.
@@ -101,8 +75,9 @@ class FciClient(Generic[_Command]):
             IncompatibleVersionError: The other side speaks another version.
             FciProtocolError: The answer is malformed.
         """
-        own, port = self._version, self._network.udp_port
-        answer = self.ask(self._connect, {"version": own, "udp_port": port})
+        own, port = self._protocol.version, self._network.udp_port
+        asked = {"version": own, "udp_port": port}
+        answer = self.ask(self._protocol.connect, asked)
         if answer.status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION:
             raise IncompatibleVersionError(own, answer.values["version"])
         if answer.status != ConnectStatus.SUCCESS:
@@ -110,7 +85,7 @@ class FciClient(Generic[_Command]):
                 "libfranka: Protocol error during connection attempt"
             )
 
-    def send(self, command: _Command, values: Mapping[str, Any] = NOTHING) -> int:
+    def send(self, command: CommandT, values: Mapping[str, Any] = NOTHING) -> int:
         """Send a request; return its number.
 
         Raises:
@@ -121,8 +96,8 @@ class FciClient(Generic[_Command]):
         return self._count
 
     def ask(
-        self, command: _Command, values: Mapping[str, Any] = NOTHING
-    ) -> Answer[_Command]:
+        self, command: CommandT, values: Mapping[str, Any] = NOTHING
+    ) -> Answer[CommandT]:
         """Send a request and wait for its first answer.
 
         Raises:
@@ -139,7 +114,7 @@ class FciClient(Generic[_Command]):
             )
         return answer
 
-    def take_answer(self, number: int, timeout: float = 0.0) -> Answer[_Command] | None:
+    def take_answer(self, number: int, timeout: float = 0.0) -> Answer[CommandT] | None:
         """Return the next answer to a request; None if there is none.
 
         Args:
@@ -154,7 +129,7 @@ class FciClient(Generic[_Command]):
             data = self._network.receive(timeout)
             if not data:
                 return None
-            for answer in self._messages.feed(data):
+            for answer in self._messages.answers(data):
                 if answer.command_id == self._forgotten:
                     continue
                 self._answers.setdefault(answer.command_id, []).append(answer)
@@ -169,13 +144,59 @@ class FciClient(Generic[_Command]):
         self._forgotten = number
 
 
-def robot_client(network: Network, protocol: RobotProtocol) -> FciClient[Command]:
+def robot_client(network: FciNetwork, protocol: RobotProtocol) -> FciClient[Command]:
     """Return a client of an arm."""
-    return FciClient(network, protocol, HEADER, Command.CONNECT)
+    return FciClient(network, protocol)
 
 
-def gripper_client(
-    network: Network, protocol: GripperProtocol
-) -> FciClient[HandCommand]:
-    """Return a client of a hand."""
-    return FciClient(network, protocol, GRIPPER_HEADER, HandCommand.CONNECT)
+@dataclass(frozen=True, slots=True)
+class Connection(Generic[CommandT]):
+    """A connection to an arm or a hand that has sent its first state.
+
+    Attributes:
+        network: The network.
+        client: Asks the arm or the hand.
+        state: The first state.
+    """
+
+    network: FciNetwork
+    client: FciClient[CommandT]
+    state: bytes
+
+
+def connect(
+    network: FciNetwork, protocol: FciProtocol[CommandT]
+) -> Connection[CommandT]:
+    """Send this side's version, and wait for the first state.
+
+    Args:
+        network: The network; it is closed if there is an error.
+        protocol: The version that is spoken.
+
+    Raises:
+        StationError: The other side does not answer (`FciNetworkError`), or does not
+            speak this version (`FciProtocolError`).
+    """
+    try:
+        client = FciClient(network, protocol)
+        client.connect()
+        return Connection(network, client, _first_state(network, protocol.state.size))
+    except StationError:
+        network.close()
+        raise
+
+
+def _first_state(network: FciNetwork, size: int) -> bytes:
+    """Return the first state.
+
+    Raises:
+        FciNetworkError: No state has come.
+    """
+    buffer = bytearray(size + 1)  # shows a datagram that is too long
+    for _ in range(round(UDP_TIMEOUT / SLICE)):
+        if network.wait(buffer) == size:
+            return bytes(buffer[:size])
+    raise FciNetworkError(
+        "libfranka: UDP receive: Timeout",
+        remedy="Let UDP datagrams of the arm through the firewall.",
+    )

@@ -16,18 +16,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from station.core.errors import StationError
-from station.hw.franka.fci.driver.fci_client import FciClient, gripper_client
+from station.hw.franka.fci.driver.fci_client import Connection, FciClient, connect
 from station.hw.franka.fci.driver.network import (
-    SLICE,
     UDP_TIMEOUT,
+    FciNetwork,
     FciNetworkError,
-    Network,
 )
-from station.hw.franka.fci.wire.gripper_protocol import (
-    HAND,
-    GripperProtocol,
-    HandCommand,
-)
+from station.hw.franka.fci.wire.gripper_protocol import HAND, HandCommand
 from station.hw.franka.fci.wire.messages import FciProtocolError
 
 LOOK = 0.1
@@ -79,7 +74,6 @@ class HandLink:
 
     Args:
         open_network: Opens a connection to the hand.
-        protocol: The version that is spoken.
         clock: Wall time [s].
         pause: Waits until bytes of the hand or an order arrive, at most for the given
             time [s].
@@ -93,21 +87,19 @@ class HandLink:
 
     def __init__(
         self,
-        open_network: Callable[[], Network],
+        open_network: Callable[[], FciNetwork],
         *,
-        protocol: GripperProtocol = HAND,
         clock: Callable[[], float] = time.monotonic,
-        pause: "Callable[[Network | None, float], None] | None" = None,
+        pause: "Callable[[FciNetwork | None, float], None] | None" = None,
     ) -> None:
-        self._open_network, self._protocol = open_network, protocol
+        self._open_network = open_network
         self._clock = clock
         self._pause = pause or self._wait
         self._word, self._ear = socket.socketpair()
         self._word.settimeout(0.0)
         self._ear.settimeout(0.0)
-        self._buffer = bytearray(protocol.state.size + 1)
-        self._network: Network | None = None
-        self._client: FciClient[HandCommand] | None = None
+        self._buffer = bytearray(HAND.state.size + 1)
+        self._connection: Connection[HandCommand] | None = None
         self._orders: deque[HandOrder] = deque()
         self._next: HandOrder | None = None
         self._running: tuple[int, int] | None = None  # its request and its order
@@ -143,17 +135,17 @@ class HandLink:
             self._word.send(b"\0")
         if self._thread is not None:
             self._thread.join()
-        if self._client is not None and self._running is not None:
+        if self._connection is not None and self._running is not None:
             with contextlib.suppress(FciNetworkError):
-                self._client.send(HandCommand.STOP)
+                self._connection.client.send(HandCommand.STOP)
         self._lose(_CLOSED)
         self._word.close()
         self._ear.close()
 
     def serve_orders(self) -> None:
         """Carry out the waiting orders, then wait for more."""
-        network, client = self._network, self._client
-        if network is None or client is None:
+        connection = self._connection
+        if connection is None:
             self._drop_orders()
             left = self._next_try - self._clock()
             if left > 0.0:
@@ -162,20 +154,20 @@ class HandLink:
                 self._connect()
             return
         try:
-            self._take_answers(client)
-            self._carry_out(client)
-            self._take_states(network)
+            self._take_answers(connection.client)
+            self._carry_out(connection.client)
+            self._take_states(connection.network)
         except (FciNetworkError, FciProtocolError) as error:
             self._lose(error.message)
         else:
-            self._pause(network, LOOK)
+            self._pause(connection.network, LOOK)
 
     def _run(self) -> None:
         while not self._is_closing:
             self.serve_orders()
 
-    def _wait(self, network: Network | None, longest: float) -> None:
-        readers: list[socket.socket | Network] = [self._ear]
+    def _wait(self, network: FciNetwork | None, longest: float) -> None:
+        readers: list[socket.socket | FciNetwork] = [self._ear]
         if network is not None:
             readers.append(network)
         select.select(readers, [], [], longest)
@@ -183,56 +175,31 @@ class HandLink:
             self._ear.recv(4096)
 
     def _connect(self) -> None:
-        network: Network | None = None
         try:
-            network = self._open_network()
-            client = gripper_client(network, self._protocol)
-            client.connect()
-            self._network, self._client = network, client
-            self._await_state(network)
+            self._connection = connect(self._open_network(), HAND)
         except StationError as error:
-            if network is not None:
-                network.close()
             self._lose(error.message)
             return
+        self._read(self._connection.state)
         self.problem = None
         _logger.info("The hand is connected.")
 
-    def _await_state(self, network: Network) -> None:
-        """Wait for the first state.
-
-        Raises:
-            FciNetworkError: No state has come.
-        """
-        for _ in range(round(UDP_TIMEOUT / SLICE)):
-            if self._is_state(network.wait(self._buffer)):
-                self._read()
-                return
-        raise FciNetworkError(
-            "libfranka: UDP receive: Timeout",
-            remedy="Let UDP datagrams of the arm through the firewall.",
-        )
-
-    def _take_states(self, network: Network) -> None:
+    def _take_states(self, network: FciNetwork) -> None:
         """Read the newest state.
 
         Raises:
             FciNetworkError: No state has come for too long.
         """
-        has_state = False
-        while size := network.poll(self._buffer):
-            has_state = self._is_state(size)
-        if has_state:
-            self._read()
+        size, state = HAND.state.size, b""
+        while found := network.poll(self._buffer):
+            state = bytes(self._buffer[:size]) if found == size else b""
+        if state:
+            self._read(state)
         elif self._clock() - self._heard >= UDP_TIMEOUT:
             raise FciNetworkError("libfranka: UDP receive: Timeout")
 
-    def _is_state(self, size: int) -> bool:
-        return size == self._protocol.state.size
-
-    def _read(self) -> None:
-        layout = self._protocol.state
-        self.state = state = layout.unpack(self._buffer[: layout.size])
+    def _read(self, message: bytes) -> None:
+        self.state = state = HAND.state.unpack(message)
         self._heard = self._clock()
         self.on_state(state)
 
@@ -270,9 +237,9 @@ class HandLink:
 
     def _lose(self, problem: str) -> None:
         """Give the hand up for some time, and end its order."""
-        network, self._network, self._client = self._network, None, None
-        if network is not None:
-            network.close()
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            connection.network.close()
         if self._running is not None:
             self.outcomes.append(HandOutcome(self._running[1], None))
         if self._next is not None:

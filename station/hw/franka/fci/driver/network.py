@@ -6,7 +6,6 @@ Source: libfranka@0.9.2 src/network.cpp, Network, also for the words of its erro
 import select
 import socket
 import struct
-from typing import Protocol
 
 from station.core.errors import StationError
 
@@ -27,37 +26,6 @@ class FciNetworkError(StationError, OSError):
     code = "fci_network"
 
 
-class Network(Protocol):
-    """The driver's interface to a network; tests put an arm in its place.
-
-    Attributes:
-        udp_port: Port on which states arrive.
-    """
-
-    udp_port: int
-
-    def fileno(self) -> int:
-        """Return the descriptor of the TCP stream, for `select`."""
-
-    def send(self, data: bytes) -> None:
-        """Send bytes of the TCP stream."""
-
-    def receive(self, timeout: float) -> bytes:
-        """Return the next bytes of the TCP stream; empty if none come in time [s]."""
-
-    def send_datagram(self, data: bytearray) -> None:
-        """Send a command; a datagram that the network does not take is lost."""
-
-    def wait(self, buffer: bytearray) -> int:
-        """Wait for a datagram, `SLICE` at most; return its size, 0 without one."""
-
-    def poll(self, buffer: bytearray) -> int:
-        """Take a datagram that is there already; return its size, 0 without one."""
-
-    def close(self) -> None:
-        """Close the connection."""
-
-
 class FciNetwork:
     """Connects to an arm.
 
@@ -70,6 +38,7 @@ class FciNetwork:
         is_strict: Whether states from another address than the arm's are dropped.
 
     Attributes:
+        udp_port: Port on which states arrive.
         sender: The address from which states come; empty until one has come.
 
     Raises:

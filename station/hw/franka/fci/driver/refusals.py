@@ -4,22 +4,10 @@ Source: libfranka@0.9.2 src/robot_impl.h, handleCommandResponse; differs: there 
 remedies as well.
 """
 
-from enum import IntEnum
-
 from station.core.franka.franka_robot_state import RobotMode
-from station.hw.franka.fci.wire.robot_protocol import (
-    Command,
-    MoveStatus,
-    RecoveryStatus,
-    SetterStatus,
-    StopMoveStatus,
-)
+from station.hw.franka.fci.driver.fci_client import RobotAnswer
+from station.hw.franka.fci.wire.robot_protocol import Command
 
-_STATUSES: dict[Command, type[IntEnum]] = {
-    Command.MOVE: MoveStatus,
-    Command.STOP_MOVE: StopMoveStatus,
-    Command.AUTOMATIC_ERROR_RECOVERY: RecoveryStatus,
-}
 _WORDS = {
     "PREEMPTED": "command preempted!",
     "START_AT_SINGULAR_POSE_REJECTED": (
@@ -41,16 +29,6 @@ _WORDS_OF_MOVE = {
         "command rejected: maximum path deviation out of range!"
     ),
 }
-# The names by which libfranka calls the modes.
-_MODES = {
-    RobotMode.OTHER: "Other",
-    RobotMode.IDLE: "Idle",
-    RobotMode.MOVE: "Move",
-    RobotMode.GUIDING: "Guiding",
-    RobotMode.REFLEX: "Reflex",
-    RobotMode.USER_STOPPED: "User stopped",
-    RobotMode.AUTOMATIC_ERROR_RECOVERY: "Automatic error recovery",
-}
 REMEDIES = {
     RobotMode.OTHER: "open the brakes and activate FCI in Desk",
     RobotMode.GUIDING: "let go of the guiding buttons",
@@ -61,29 +39,25 @@ REMEDIES = {
 """Remedy for each mode in which an arm cannot move."""
 
 
-def refusal_of(command: Command, number: int, mode: RobotMode) -> str:
+def refusal_of(answer: RobotAnswer, mode: RobotMode) -> str:
     """Return libfranka's message for an answer that is not a success.
 
     Args:
-        command: The refused command.
-        number: The status of the answer.
+        answer: The answer.
         mode: The arm's mode.
     """
+    status, command = answer.status.name, answer.command
     name = command.name.replace("_", " ").title()
     # Names of frames keep their capitals: "Set NE to EE".
     name = name.replace("Ne ", "NE ").replace("Ee", "EE").replace(" To ", " to ")
-    try:
-        status = _STATUSES.get(command, SetterStatus)(number).name
-    except ValueError:
-        status = ""
     if status == "COMMAND_NOT_POSSIBLE_REJECTED":
+        shown = mode.name.replace("_", " ").capitalize()
         brakes = " Did you open the brakes?" if mode is RobotMode.OTHER else ""
         return (
             f"libfranka: {name} command rejected: command not possible in the current "
-            f'mode ("{_MODES[mode]}")!{brakes}'
+            f'mode ("{shown}")!{brakes}'
         )
-    words = _WORDS_OF_MOVE if command is Command.MOVE else _WORDS
-    said = words.get(status, _WORDS.get(status))
-    if said is None:
+    words = _WORDS | _WORDS_OF_MOVE if command is Command.MOVE else _WORDS
+    if status not in words:
         return f"libfranka: Unexpected response while handling {name} command!"
-    return f"libfranka: {name} {said}"
+    return f"libfranka: {name} {words[status]}"

@@ -1,7 +1,5 @@
 """Read the message that an arm sends every cycle into the state of the seam."""
 
-import struct
-
 import numpy as np
 
 from station.core.franka.franka_robot_state import RobotMode, RobotState
@@ -10,9 +8,10 @@ from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
 from station.hw.franka.fci.wire.state_numbers import StateNumbers
 from station.memory.doubles import Doubles, put, zeros
 
+CYCLE_TIME = 0.001
+"""Time from one state to the next [s]."""
 _FIRST_OF_LOADS, _BEHIND_LOADS = "m_ee", "elbow"
 _READINGS = 18  # of the accelerometers on one side of the boards
-_ID = struct.Struct("<Q")
 _MODES = {mode.value: mode for mode in RobotMode}
 
 
@@ -22,7 +21,6 @@ class StateReader:
     Args:
         state: The state to bring up to date.
         protocol: The version of the protocol.
-        cycle_time: Time from one message to the next [s].
 
     Attributes:
         message: Buffer for the next message.
@@ -32,31 +30,15 @@ class StateReader:
         robot_mode: Mode of the arm in the message.
     """
 
-    def __init__(
-        self, state: RobotState, protocol: RobotProtocol, cycle_time: float
-    ) -> None:
-        layout = protocol.state
-        self._state = state
-        self._cycle_time = cycle_time
-        self._size = layout.size
-        self._places = places = layout.offsets
+    def __init__(self, state: RobotState, protocol: RobotProtocol) -> None:
+        self._state, self._layout = state, protocol.state
         # A byte more than a message has, so that one that is too long shows as such.
-        self.message = bytearray(layout.size + 1)
-        self._numbers = StateNumbers(layout, self.message, state)
+        self.message = bytearray(self._layout.size + 1)
+        self._numbers = StateNumbers(self._layout, self.message, state)
         self._readings = zeros(_READINGS), zeros(_READINGS)
+        places = self._layout.offsets
         self._loads = slice(places[_FIRST_OF_LOADS], places[_BEHIND_LOADS])
         self._known_loads = b""
-        self._flags = [
-            (
-                getattr(state, field),
-                slice(places[name], places[name] + layout.counts[name]),
-            )
-            for field, name in (
-                ("current_errors", "errors"),
-                ("last_motion_errors", "reflex_reason"),
-            )
-        ]
-        self._known_flags = [b"", b""]
         self.message_id = 0
         self.modes = (0, 0)
         self.robot_mode = RobotMode.OTHER
@@ -67,30 +49,29 @@ class StateReader:
         Args:
             size: How many bytes were received.
         """
-        if size != self._size:
+        if size != self._layout.size:
             return False
-        number: int = _ID.unpack_from(self.message, 0)[0]
+        number: int = self._layout.read(self.message, "message_id")[0]
         return number > self.message_id
 
-    def begin_anew(self, message_id: int) -> None:
-        """Take states of a new connection, which counts its states anew.
+    def begin(self, message: bytes) -> None:
+        """Read the first state of a connection, which counts its states anew.
 
         Args:
-            message_id: Number of the newest state that has been received.
+            message: The message.
         """
-        self.message_id = message_id
+        self.message[: len(message)] = message
+        self.read()
 
     def read(self) -> None:
         """Bring the state up to date with `message`, all but its `robot_mode`."""
-        message, state, places = self.message, self._state, self._places
+        message, state, read = self.message, self._state, self._layout.read
+        places = self._layout.offsets
         self._numbers.read()
-        self.message_id = _ID.unpack_from(message, 0)[0]
-        state.time = self.message_id * self._cycle_time
-        for i, (flags, part) in enumerate(self._flags):
-            raised = bytes(message[part])
-            if raised != self._known_flags[i]:
-                self._known_flags[i] = raised
-                flags[:] = [flag != 0 for flag in raised]
+        (self.message_id,) = read(message, "message_id")
+        state.time = self.message_id * CYCLE_TIME
+        state.current_errors[:] = read(message, "errors")
+        state.last_motion_errors[:] = read(message, "reflex_reason")
         loads = bytes(message[self._loads])
         if loads != self._known_loads:
             self._known_loads = loads

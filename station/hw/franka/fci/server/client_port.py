@@ -5,9 +5,10 @@ refused at once: libfranka would otherwise wait for an answer for ever.
 """
 
 import logging
+import select
 import socket
-from collections.abc import Callable
-from typing import Generic, Protocol, TypeVar
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, Protocol, TypeVar
 
 from station.core.errors import StationError
 from station.hw.franka.fci.wire.messages import FciProtocolError
@@ -224,3 +225,28 @@ class ClientPort(Generic[_Session]):
             self._connection.close()
         self.session, self._connection = None, None
         self._unsent.clear()
+
+
+def serve(
+    ports: Sequence[ClientPort[Any]], longest: float, *others: socket.socket
+) -> bool:
+    """Wait until bytes arrive at ports or can be sent there, and move them.
+
+    Args:
+        ports: The ports.
+        longest: Longest wait [s].
+        others: Other sockets to wait for.
+
+    Returns:
+        Whether something has arrived at the other sockets; the ports were left alone.
+    """
+    readers = [one for port in ports for one in port.readers()]
+    writers = [one for port in ports for one in port.writers()]
+    ready, sendable, _ = select.select([*others, *readers], writers, [], longest)
+    found = {*ready, *sendable}
+    if found.intersection(others):
+        return True
+    for port in ports:
+        if found.intersection(port.readers()):
+            port.handle()
+    return False

@@ -9,20 +9,15 @@ Through the pipe go frames: a kind, a size, and bytes. The station answers each 
 import contextlib
 import mmap
 import os
-import select
 import socket
 import struct
 import sys
-from typing import TYPE_CHECKING
 
-from station.hw.franka.fci.server.client_port import ClientPort
+from station.hw.franka.fci.server.client_port import ClientPort, serve
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import PANDA
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 OPEN, DATA, LEAVE = 1, 2, 3
 """Kinds of frames from this process: a new client, its bytes, its end."""
@@ -157,31 +152,19 @@ class FciDoor:
 
     def run(self) -> None:
         """Serve until the station closes the pipe."""
+        ports = [port for port, _ in self._served]
         try:
-            for _ in self._turns():
+            while True:
+                is_idle = all(port.session is None for port in ports)
+                if serve(ports, _IDLE if is_idle else _LOOK, self._pipe):
+                    return  # the station says nothing unasked: it has gone
                 for port, page in self._served:
                     relay(port, page)
         except StationGoneError:
             return
         finally:
-            for port, _ in self._served:
-                port.close()
-
-    def _turns(self) -> "Iterator[None]":
-        ports = [port for port, _ in self._served]
-        while True:
-            is_idle = all(port.session is None for port in ports)
-            readers = [self._pipe, *(one for port in ports for one in port.readers())]
-            writers = [one for port in ports for one in port.writers()]
-            wait = _IDLE if is_idle else _LOOK
-            ready, sendable, _ = select.select(readers, writers, [], wait)
-            if self._pipe in ready:
-                return  # the station says nothing unasked: it has gone
-            found = {*ready, *sendable}
             for port in ports:
-                if found.intersection({*port.readers(), *port.writers()}):
-                    port.handle()
-            yield
+                port.close()
 
 
 def relay(port: ClientPort[RelayedSession], page: SharedPage) -> None:

@@ -5,19 +5,17 @@ never late, and a client must not lose packets because the server was.
 """
 
 import logging
-import select
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
-from functools import partial
 from queue import SimpleQueue
-from typing import TYPE_CHECKING
+from typing import Any
 
 from station.core.errors import StationError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import RobotArm
-from station.hw.franka.fci.server.client_port import ClientPort
+from station.hw.franka.fci.server.client_port import ClientPort, serve
 from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
     GripperSession,
@@ -26,9 +24,6 @@ from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSessio
 from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
 from station.hw.franka.hand.hand_services import HandServices
-
-if TYPE_CHECKING:
-    import socket
 
 _logger = logging.getLogger(__name__)
 _SHORTEST_WAIT = 0.5
@@ -110,6 +105,7 @@ class FciServer:
                 arm, model_library, settings.protocols, robot_model=robot_model
             ),
         )
+        self._ports: list[ClientPort[Any]] = [self._robot_port]
         self._gripper_port: ClientPort[GripperSession] | None = None
         if hand is not None:
             try:
@@ -119,6 +115,7 @@ class FciServer:
             except OSError:
                 self._robot_port.close()
                 raise
+            self._ports.append(self._gripper_port)
 
     def run(self, is_over: Callable[[], bool]) -> None:
         """Serve until `is_over`, called once per cycle, returns True."""
@@ -151,18 +148,17 @@ class FciServer:
             Done when the ports are open or closed; an OSError if another program has
                 taken a port.
         """
-        return self.change(partial(self._set_open, is_open=is_open))
 
-    def _set_open(self, *, is_open: bool) -> None:
-        self._robot_port.set_open(is_open=is_open)
-        if self._gripper_port is not None:
-            self._gripper_port.set_open(is_open=is_open)
+        def open_or_close() -> None:
+            for port in self._ports:
+                port.set_open(is_open=is_open)
+
+        return self.change(open_or_close)
 
     def close(self) -> None:
         """Send the clients away."""
-        self._robot_port.close()
-        if self._gripper_port is not None:
-            self._gripper_port.close()
+        for port in self._ports:
+            port.close()
 
     def _make_changes(self) -> None:
         while not self._changes.empty():
@@ -234,18 +230,7 @@ class FciServer:
         )
 
     def _poll(self, timeout: float) -> None:
-        ports = [self._robot_port, self._gripper_port]
-        present = [port for port in ports if port is not None]
-        readers: list[socket.socket] = []
-        writers: list[socket.socket] = []
-        for port in present:
-            readers += port.readers()
-            writers += port.writers()
-        ready = select.select(readers, writers, [], timeout)
-        found = {*ready[0], *ready[1]}
-        for port in present:
-            if found.intersection(port.readers()):
-                port.handle()
+        serve(self._ports, timeout)
         session = self._robot_port.session
         if session is not None:
             for datagram in self._robot_port.datagrams():

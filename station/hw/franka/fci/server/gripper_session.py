@@ -5,23 +5,18 @@ A newer command takes the fingers over; the older one is answered with ABORTED.
 
 from collections.abc import Callable
 
+from typing_extensions import override
+
 from station.core.errors import GripperCommandError, InvalidCommandError
 from station.core.franka import GraspRequest
 from station.core.ports.goal import GoalStatus
+from station.hw.franka.fci.server.session import Session
 from station.hw.franka.fci.wire.gripper_protocol import (
-    GRIPPER_HEADER,
     HAND,
-    GripperProtocol,
     GripperStatus,
     HandCommand,
 )
-from station.hw.franka.fci.wire.messages import (
-    FciProtocolError,
-    FciVersionError,
-    MessageReader,
-    Request,
-)
-from station.hw.franka.fci.wire.robot_protocol import ConnectStatus
+from station.hw.franka.fci.wire.messages import Request
 from station.hw.franka.hand.hand_services import HandServices
 
 GRIPPER_PERIOD = 10
@@ -32,42 +27,24 @@ _ENDS = {
 }
 
 
-class GripperSession:
-    """Serves one client; each client gets a new session. Control thread.
+class GripperSession(Session[HandCommand]):
+    """Serves one client of a hand. Control thread.
 
     Args:
         hand: The hand; the owner of the session advances it once per cycle.
-        protocol: The version that is spoken.
         is_free: Returns whether this client may move the fingers.
-
-    Attributes:
-        udp_port: The client's UDP port; None until it has connected.
     """
 
     def __init__(
         self,
         hand: HandServices,
-        protocol: GripperProtocol = HAND,
         is_free: Callable[[], bool] = lambda: True,
     ) -> None:
+        super().__init__([HAND])
         self._hand = hand
         self._is_free = is_free
-        self._protocol = protocol
-        self._reader = MessageReader(GRIPPER_HEADER, protocol.exchanges)
         self._running: Request[HandCommand] | None = None
         self._identifier: int | None = None  # of the command that this client began
-        self.udp_port: int | None = None
-
-    def receive(self, data: bytes) -> bytes:
-        """Take bytes of the TCP stream; return the answers that are due at once.
-
-        Args:
-            data: The next bytes.
-
-        Raises:
-            FciProtocolError: The client broke the protocol; the connection must end.
-        """
-        return b"".join(self._answer(request) for request in self._reader.feed(data))
 
     def after_cycle(self) -> bytes:
         """Return the answer that is due because a motion of the fingers has ended."""
@@ -88,7 +65,7 @@ class GripperSession:
             message_id: Number of the message.
         """
         state = self._hand.get_state()
-        return self._protocol.state.pack({
+        return HAND.state.pack({
             "message_id": message_id % 2**32,
             "width": state.width,
             "max_width": state.max_width,
@@ -103,37 +80,21 @@ class GripperSession:
             if self._present() == self._identifier:
                 self._hand.stop()
 
-    def _answer(self, request: Request[HandCommand]) -> bytes:
-        if request.command is HandCommand.CONNECT:
-            return self._connect(request)
-        if self.udp_port is None:
-            raise FciProtocolError(
-                f"The client sent {request.command.name} before it had connected.",
-                remedy="Connect first, with a version that the hand speaks.",
-            )
-        if not self._is_free() and request.command is not HandCommand.STOP:
-            return self._reader.answer(request, GripperStatus.FAIL)
+    @override
+    def _serve(self, request: Request[HandCommand]) -> bytes:
+        is_stop = request.command is HandCommand.STOP
+        if not self._is_free() and not is_stop:
+            return self._say(request, GripperStatus.FAIL)
         try:
             self._begin(request)
         except (GripperCommandError, InvalidCommandError):
-            return self._reader.answer(request, GripperStatus.FAIL)
+            return self._say(request, GripperStatus.FAIL)
         answers = self._end(GripperStatus.ABORTED)
         self._identifier = self._present()
-        if request.command is HandCommand.STOP:
-            done = self._reader.answer(request, GripperStatus.SUCCESS)
-            return answers + done
+        if is_stop:
+            return answers + self._say(request, GripperStatus.SUCCESS)
         self._running = request
         return answers
-
-    def _connect(self, request: Request[HandCommand]) -> bytes:
-        own, asked = self._protocol.version, request.values["version"]
-        if asked == own:
-            self.udp_port = request.values["udp_port"]
-            status = ConnectStatus.SUCCESS
-            return self._reader.answer(request, status, {"version": own})
-        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
-        told = self._reader.answer(request, status, {"version": own})
-        raise FciVersionError("hand", asked, [own], told)
 
     def _begin(self, request: Request[HandCommand]) -> None:
         hand, values = self._hand, request.values
@@ -141,17 +102,9 @@ class GripperSession:
             case HandCommand.HOMING:
                 hand.homing()
             case HandCommand.MOVE:
-                hand.move(values["width"], values["speed"])
+                hand.move(**values)
             case HandCommand.GRASP:
-                hand.grasp(
-                    GraspRequest(
-                        width=values["width"],
-                        force=values["force"],
-                        speed=values["speed"],
-                        epsilon_inner=values["epsilon_inner"],
-                        epsilon_outer=values["epsilon_outer"],
-                    )
-                )
+                hand.grasp(GraspRequest(**values))
             case _:
                 hand.stop()
 
@@ -162,6 +115,4 @@ class GripperSession:
 
     def _end(self, status: GripperStatus) -> bytes:
         request, self._running = self._running, None
-        if request is None:
-            return b""
-        return self._reader.answer(request, status)
+        return b"" if request is None else self._say(request, status)

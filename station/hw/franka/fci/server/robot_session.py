@@ -23,10 +23,11 @@ Robot; differs: a simulated arm gives way in all directions when it is guided, a
 no filters of its own, so that only these settings are accepted.
 """
 
-import struct
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 from typing import Any, TypeAlias
+
+from typing_extensions import override
 
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.franka_errors import ERROR_INDEX
@@ -51,21 +52,14 @@ from station.hw.franka.arm.service_limits import (
 )
 from station.hw.franka.arm.transform_check import check_transform
 from station.hw.franka.commands.arm_guard import slowed
-from station.hw.franka.fci.wire.messages import (
-    NOTHING,
-    FciProtocolError,
-    FciVersionError,
-    MessageReader,
-    Request,
-)
+from station.hw.franka.fci.server.session import Session
+from station.hw.franka.fci.wire.messages import Request
 from station.hw.franka.fci.wire.robot_protocol import (
-    HEADER,
     MERGED_INTO,
     NO_CONTROLLER,
     NO_GENERATOR,
     PANDA,
     Command,
-    ConnectStatus,
     LibraryStatus,
     ModelStatus,
     MoveController,
@@ -142,7 +136,6 @@ arm cannot change the setting now."""
 
 
 _READINGS = 18  # of the accelerometers on one side of the boards
-_ID = struct.Struct("<Q")
 
 
 class StateWriter:
@@ -161,10 +154,9 @@ class StateWriter:
     """
 
     def __init__(self, arm: RobotArm, protocol: RobotProtocol) -> None:
-        self._arm, self._state, layout = arm, arm.state, protocol.state
-        self.message = bytearray(layout.size)
-        self._places = layout.offsets
-        self._numbers = StateNumbers(layout, self.message, arm.state)
+        self._arm, self._layout = arm, protocol.state
+        self.message = bytearray(self._layout.size)
+        self._numbers = StateNumbers(self._layout, self.message, arm.state)
         self._accelerations = self._numbers.accelerations
         self._merged = [ERROR_INDEX[name] for name in protocol.merged_errors]
 
@@ -176,53 +168,48 @@ class StateWriter:
             generator: `motion_generator_mode` on the wire.
             controller: `controller_mode` on the wire.
         """
-        state, message, places = self._state, self.message, self._places
-        _ID.pack_into(message, 0, message_id)
+        state, message, places = self._arm.state, self.message, self._layout.offsets
+        self._layout.write(message, "message_id", message_id)
         self._numbers.write()
         if self._accelerations.size and (readings := self._arm.accelerometers()):
             self._accelerations[:_READINGS], self._accelerations[_READINGS:] = readings
         message[places["motion_generator_mode"]] = generator
         message[places["controller_mode"]] = controller
+        message[places["robot_mode"]] = state.robot_mode.value
         for name, flags in (
             ("errors", state.current_errors),
             ("reflex_reason", state.last_motion_errors),
         ):
-            place = places[name]
-            message[place : place + len(flags)] = bytes(flags)
+            raised = bytearray(flags)
             for merged in self._merged:
-                if message[place + merged]:
-                    message[place + merged] = 0
-                    message[place + ERROR_INDEX[MERGED_INTO]] = 1
-        message[places["robot_mode"]] = state.robot_mode.value
+                raised[ERROR_INDEX[MERGED_INTO]] |= raised[merged]
+                raised[merged] = False
+            message[places[name] : places[name] + len(raised)] = raised
         return message
 
 
 ModelLibrary: TypeAlias = Callable[[int, int], bytes | None]
 """Returns the model library for an architecture and a system; None if there is none."""
 
-_CONTROLLERS = dict(zip(MoveController, ControllerMode, strict=True))
-_GENERATORS = {g: MotionGeneratorMode[g.name] for g in MoveGenerator}
 _ENDS = {
     RobotMode.REFLEX: MoveStatus.REFLEX_ABORTED,
     RobotMode.USER_STOPPED: MoveStatus.EMERGENCY_ABORTED,
-    RobotMode.OTHER: MoveStatus.ABORTED,
     RobotMode.IDLE: MoveStatus.PREEMPTED,
 }
 _RECOVERIES = {
     RobotMode.IDLE: RecoveryStatus.SUCCESS,
     RobotMode.REFLEX: RecoveryStatus.REFLEX_ABORTED,
     RobotMode.USER_STOPPED: RecoveryStatus.EMERGENCY_ABORTED,
-    RobotMode.OTHER: RecoveryStatus.ABORTED,
 }
-_TAKEN = "The controllers of the station command the arm, or the station is stopped."
+_REJECTIONS = {
+    SingularStartError: "START_AT_SINGULAR_POSE_REJECTED",
+    ArmCommandError: "COMMAND_NOT_POSSIBLE_REJECTED",
+    InvalidCommandError: "INVALID_ARGUMENT_REJECTED",
+}
 
 
-def _no_library(_architecture: int, _system: int) -> None:
-    """Return None: there is no library."""
-
-
-class RobotSession:
-    """Serves one client; each client gets a new session. Control thread.
+class RobotSession(Session[Command]):
+    """Serves one client of an arm. Control thread.
 
     Calls per cycle of the arm: `before_cycle`, the arm's `read_once`, `after_cycle`,
     and then `state` once. `receive` and `receive_command` are called in between, with
@@ -231,29 +218,23 @@ class RobotSession:
     Args:
         arm: The arm.
         model_library: Source of model libraries.
-        protocols: The versions that are spoken; the client chooses one. The last one
-            is the arm's own: a client that asks for another version gets it as the
-            answer.
+        protocols: The versions that are spoken.
         is_free: Returns whether this client may move the arm.
         robot_model: The URDF of the arm for clients; empty if there is none.
-
-    Attributes:
-        udp_port: The client's UDP port; None until it has connected.
     """
 
     def __init__(
         self,
         arm: RobotArm,
-        model_library: ModelLibrary = _no_library,
+        model_library: ModelLibrary = lambda _architecture, _system: None,
         protocols: Sequence[RobotProtocol] = (PANDA,),
         is_free: Callable[[], bool] = lambda: True,
         robot_model: str = "",
     ) -> None:
-        self._arm = arm
+        self._arm = arm  # whose state `_speak` writes
+        super().__init__(protocols)
         self._is_free = is_free
         self._model_library, self._robot_model = model_library, robot_model
-        self._protocols = protocols
-        self._speak(protocols[-1])  # a client connects in the same way with all
         self._motion: Request[Command] | None = None
         self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
         self._recovery: Request[Command] | None = None
@@ -263,7 +244,6 @@ class RobotSession:
         self._reason = ""
         # Largest velocities of a motion that the arm plans itself; None in others.
         self._fastest: Sequence[float] | None = None
-        self.udp_port: int | None = None
 
     @property
     def is_moving(self) -> bool:
@@ -288,17 +268,6 @@ class RobotSession:
         """Return the reason for the last refusal once; empty if there is none."""
         reason, self._reason = self._reason, ""
         return reason
-
-    def receive(self, data: bytes) -> bytes:
-        """Take bytes of the TCP stream; return the answers that are due at once.
-
-        Args:
-            data: The next bytes.
-
-        Raises:
-            FciProtocolError: The client broke the protocol; the connection must end.
-        """
-        return b"".join(self._answer(request) for request in self._reader.feed(data))
 
     def receive_command(self, datagram: bytes) -> None:
         """Take a UDP datagram; drop it if it is not a newer command.
@@ -363,18 +332,26 @@ class RobotSession:
             self._arm.stop_motion()
             self._end_motion(MoveStatus.ABORTED)
 
-    def _answer(self, request: Request[Command]) -> bytes:
-        command = request.command
-        if command is Command.CONNECT:
-            return self._connect(request)
-        if self.udp_port is None:
-            raise FciProtocolError(
-                f"The client sent {command.name} before it had connected.",
-                remedy="Connect first, with a version that the robot speaks.",
-            )
-        if command in SETTERS:
+    @override
+    def _serve(self, request: Request[Command]) -> bytes:
+        try:
+            return self._carry_out(request)
+        except (ArmCommandError, InvalidCommandError) as error:
+            self._reason = f"{request.command.name} is refused: {error.message}"
+            name = next(n for kind, n in _REJECTIONS.items() if isinstance(error, kind))
+            statuses = self._protocol.exchanges[request.command].statuses
+            return self._say(request, next(s for s in statuses if s.name == name))
+
+    def _carry_out(self, request: Request[Command]) -> bytes:
+        """Carry a request out; return the answers that are due.
+
+        Raises:
+            ArmCommandError: The request is not possible now.
+            InvalidCommandError: The request is never possible.
+        """
+        if request.command in SETTERS:
             return self._change_setting(request)
-        answers = {
+        serve = {
             Command.MOVE: self._start_motion,
             Command.STOP_MOVE: self._stop_motion,
             Command.GET_CARTESIAN_LIMIT: self._cartesian_limit,
@@ -382,48 +359,29 @@ class RobotSession:
             Command.LOAD_MODEL_LIBRARY: self._load_library,
             Command.GET_ROBOT_MODEL: self._tell_model,
         }
-        return answers[command](request)
+        return serve[request.command](request)
 
+    @override
     def _speak(self, protocol: RobotProtocol) -> None:
-        self._protocol = protocol
-        self._reader = MessageReader(HEADER, protocol.exchanges)
+        super()._speak(protocol)
         self._writer = StateWriter(self._arm, protocol)
-
-    def _connect(self, request: Request[Command]) -> bytes:
-        if self.udp_port is not None:
-            raise FciProtocolError(
-                "The client connected a second time.", remedy="Connect once."
-            )
-        asked = request.values["version"]
-        for protocol in self._protocols:
-            if asked == protocol.version:
-                self._speak(protocol)
-                self.udp_port = request.values["udp_port"]
-                return self._say(request, ConnectStatus.SUCCESS, {"version": asked})
-        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
-        told = self._say(request, status, {"version": self._protocol.version})
-        spoken = [protocol.version for protocol in self._protocols]
-        raise FciVersionError("arm", asked, spoken, told)
 
     def _start_motion(self, request: Request[Command]) -> bytes:
         values = request.values
-        problem = self._problem_of(values)
-        if problem is not None:
-            return self._refuse(request, MoveStatus.INVALID_ARGUMENT_REJECTED, problem)
+        if problem := self._problem_of(values):
+            raise InvalidCommandError(problem)
         controller = MoveController(values["controller_mode"])
         generator = MoveGenerator(values["motion_generator_mode"])
         is_planned = values.get("use_async_motion_generator")
         fastest = values["maximum_velocity"] if is_planned else None
-        status = MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED
         if not self._is_free():
-            return self._refuse(request, status, _TAKEN)
-        try:
-            self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
-        except SingularStartError as error:
-            status = MoveStatus.START_AT_SINGULAR_POSE_REJECTED
-            return self._refuse(request, status, error.message)
-        except ArmCommandError as error:
-            return self._refuse(request, status, error.message)
+            raise ArmCommandError(
+                "The controllers of the station command the arm, or the station is "
+                "stopped."
+            )
+        self._arm.start_motion(
+            ControllerMode[controller.name], MotionGeneratorMode[generator.name]
+        )
         self._motion, self._command, self._fastest = request, None, fastest
         self._answered, self._is_finishing = 0, False
         self._generator, self._controller = 1 + generator, controller
@@ -431,10 +389,8 @@ class RobotSession:
 
     def _problem_of(self, values: Mapping[str, Any]) -> str | None:
         """Return the reason why no arm can make such a motion; None if an arm can."""
-        controller, generator = (
-            values["controller_mode"],
-            values["motion_generator_mode"],
-        )
+        controller = values["controller_mode"]
+        generator = values["motion_generator_mode"]
         if controller not in list(MoveController):
             return f"There is no controller mode {controller}."
         if generator not in self._protocol.generators:
@@ -457,10 +413,6 @@ class RobotSession:
             return "A maximum velocity is not above 0 or not finite."
         return None
 
-    def _refuse(self, request: Request[Command], status: int, reason: str) -> bytes:
-        self._reason = f"{request.command.name} is refused: {reason}"
-        return self._say(request, status)
-
     def _stop_motion(self, request: Request[Command]) -> bytes:
         answers = b""
         mode = self._arm.state.robot_mode
@@ -473,19 +425,10 @@ class RobotSession:
         return answers + self._say(request, StopMoveStatus.SUCCESS)
 
     def _change_setting(self, request: Request[Command]) -> bytes:
-        status = SetterStatus.SUCCESS
         if self._arm.state.robot_mode is RobotMode.MOVE:
-            status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
-            return self._refuse(request, status, "The arm moves.")
-        try:
-            SETTERS[request.command](self._arm, request.values)
-        except InvalidCommandError as error:
-            status = SetterStatus.INVALID_ARGUMENT_REJECTED
-            return self._refuse(request, status, error.message)
-        except ArmCommandError as error:
-            status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
-            return self._refuse(request, status, error.message)
-        return self._say(request, status)
+            raise ArmCommandError("The arm moves.")
+        SETTERS[request.command](self._arm, request.values)
+        return self._say(request, SetterStatus.SUCCESS)
 
     def _cartesian_limit(self, request: Request[Command]) -> bytes:
         """Answer that there are no virtual walls: a simulated arm has none."""
@@ -494,13 +437,9 @@ class RobotSession:
 
     def _recover(self, request: Request[Command]) -> bytes:
         arm = self._arm
-        rejected = RecoveryStatus.COMMAND_NOT_POSSIBLE_REJECTED
         if arm.state.robot_mode is RobotMode.MOVE or self._recovery is not None:
-            return self._say(request, rejected)
-        try:
-            arm.automatic_error_recovery()
-        except ArmCommandError as error:
-            return self._refuse(request, rejected, error.message)
+            return self._say(request, RecoveryStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+        arm.automatic_error_recovery()
         self._recovery = request
         return self._advance_recovery()
 
@@ -516,13 +455,13 @@ class RobotSession:
         library = self._model_library(values["architecture"], values["system"])
         if library is None:
             return self._say(request, LibraryStatus.ERROR)
-        return self._reader.answer(request, LibraryStatus.SUCCESS, tail=library)
+        return self._say(request, LibraryStatus.SUCCESS, tail=library)
 
     def _tell_model(self, request: Request[Command]) -> bytes:
         if not self._robot_model:
             return self._say(request, ModelStatus.COMMAND_NOT_POSSIBLE_REJECTED)
         urdf = self._robot_model.encode()
-        return self._reader.answer(request, ModelStatus.SUCCESS, tail=urdf)
+        return self._say(request, ModelStatus.SUCCESS, tail=urdf)
 
     def _end_motion(self, status: MoveStatus) -> bytes:
         request, self._motion = self._motion, None
@@ -561,11 +500,3 @@ class RobotSession:
                 arm.command_cartesian_pose(clear("O_T_EE_c"), elbow)
             case MoveGenerator.CARTESIAN_VELOCITY:
                 arm.command_cartesian_velocity(clear("O_dP_EE_c"), elbow)
-
-    def _say(
-        self,
-        request: Request[Command],
-        status: int,
-        values: Mapping[str, Any] = NOTHING,
-    ) -> bytes:
-        return self._reader.answer(request, status, values)

@@ -33,8 +33,8 @@ class SharedPage:
             view[_NUMBERS + i * _SLOT : _NUMBERS + (i + 1) * _SLOT] for i in range(6)
         ]
         self._command_sizes = {one.command.size for one in PROTOCOLS.values()}
-        self._taken = 0  # number of the last command or state that this side took
-        self._state_taken = 0
+        # Numbers of the last state and command that this side has taken.
+        self._taken = {_STATE: 0, _COMMAND: 0}
 
     def put_state(self, message: bytes | bytearray) -> None:
         """Leave a state; an older one that was not taken is lost. Control thread."""
@@ -42,11 +42,7 @@ class SharedPage:
 
     def take_state(self) -> memoryview | None:
         """Return the newest state if it is a new one. Server's process."""
-        number = self._numbers[_STATE]
-        if number == self._state_taken:
-            return None
-        self._state_taken = number
-        return self._find(_STATE, number)
+        return self._take(_STATE)
 
     def put_command(self, datagram: bytes) -> None:
         """Leave a command; drop bytes of another length. Server's process."""
@@ -55,11 +51,8 @@ class SharedPage:
 
     def take_command(self) -> bytes | None:
         """Return the newest command if it is a new one. Control thread."""
-        number = self._numbers[_COMMAND]
-        if number == self._taken:
-            return None
-        self._taken = number
-        return bytes(self._find(_COMMAND, number))
+        command = self._take(_COMMAND)
+        return None if command is None else bytes(command)
 
     def has_room(self) -> bool:
         """Return whether the last answers have been taken. Control thread."""
@@ -77,6 +70,13 @@ class SharedPage:
         data = bytes(self._find(_ANSWERS, number))
         self._numbers[_SIZES - 1] = number
         return data
+
+    def _take(self, kind: int) -> memoryview | None:
+        number = self._numbers[kind]
+        if number == self._taken[kind]:
+            return None
+        self._taken[kind] = number
+        return self._find(kind, number)
 
     def _put(self, kind: int, data: bytes | bytearray) -> None:
         number = self._numbers[kind] + 1

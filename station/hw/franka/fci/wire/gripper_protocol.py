@@ -3,14 +3,17 @@
 Source: libfranka-common@e6aa0fc include/research_interface/gripper/types.h.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 
-from station.hw.franka.fci.wire.robot_protocol import ConnectStatus, Exchange
-from station.hw.franka.fci.wire.structure import Field, Structure
+from station.hw.franka.fci.wire.robot_protocol import (
+    ConnectStatus,
+    Exchange,
+    FciProtocol,
+    row,
+)
+from station.hw.franka.fci.wire.structure import Structure, fields
 
-GRIPPER_HEADER = Structure([("command", "H"), ("command_id", "I"), ("size", "I")])
+GRIPPER_HEADER = Structure(fields("H command", "I command_id size"))
 """Head of every TCP message to and from a hand."""
 
 
@@ -33,60 +36,36 @@ class GripperStatus(IntEnum):
     ABORTED = 3
 
 
-@dataclass(frozen=True, slots=True)
-class GripperProtocol:
-    """One version of the protocol of a hand, like `RobotProtocol` for an arm.
-
-    Attributes:
-        version: Number that a client names when it connects.
-        port: TCP port of the server.
-        exchanges: Request and answer of every command.
-        state: Structure of the hand's states.
-    """
-
-    version: int
-    port: int
-    exchanges: Mapping[HandCommand, Exchange]
-    state: Structure
-
-
-_EXCHANGES: dict[HandCommand, tuple[list[Field], list[Field]]] = {
-    HandCommand.CONNECT: ([("version", "H"), ("udp_port", "H")], [("version", "H")]),
-    HandCommand.HOMING: ([], []),
-    HandCommand.GRASP: (
-        [
-            ("width", "d"),
-            ("epsilon_inner", "d"),
-            ("epsilon_outer", "d"),
-            ("speed", "d"),
-            ("force", "d"),
-        ],
-        [],
+_ROWS = {
+    HandCommand.CONNECT: row(
+        "H version udp_port", answer=["H version"], statuses=ConnectStatus
     ),
-    HandCommand.MOVE: ([("width", "d"), ("speed", "d")], []),
-    HandCommand.STOP: ([], []),
+    HandCommand.HOMING: row(statuses=GripperStatus),
+    HandCommand.GRASP: row(
+        "d width epsilon_inner epsilon_outer speed force", statuses=GripperStatus
+    ),
+    HandCommand.MOVE: row("d width speed", statuses=GripperStatus),
+    HandCommand.STOP: row(statuses=GripperStatus),
 }
 
-_CONNECT = HandCommand.CONNECT
-
-HAND = GripperProtocol(
+HAND = FciProtocol(
+    device="hand",
     version=3,
     port=1338,
+    header=GRIPPER_HEADER,
+    connect=HandCommand.CONNECT,
     exchanges={
         command: Exchange(
             Structure(request),
             Structure([("status", "H"), *answer]),
             command,
-            tuple(ConnectStatus if command is _CONNECT else GripperStatus),
+            tuple(statuses),
         )
-        for command, (request, answer) in _EXCHANGES.items()
+        for command, (request, answer, statuses) in _ROWS.items()
     },
-    state=Structure([
-        ("message_id", "I"),
-        ("width", "d"),
-        ("max_width", "d"),
-        ("is_grasped", "?"),
-        ("temperature", "H"),
-    ]),
+    state=Structure(
+        fields("I message_id", "d width max_width", "? is_grasped", "H temperature")
+    ),
+    command=Structure(()),
 )
 """Version 3, which the hands of the Panda speak."""

@@ -4,14 +4,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from types import MappingProxyType
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic
 
 from station.core.errors import StationError
-from station.hw.franka.fci.wire.robot_protocol import Exchange
-from station.hw.franka.fci.wire.structure import Structure
+from station.hw.franka.fci.wire.robot_protocol import CommandT, FciProtocol
 
-_Command = TypeVar("_Command", bound=IntEnum)
-_Kind = TypeVar("_Kind")
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 """The fields of a message without fields."""
 
@@ -56,134 +53,27 @@ class FciVersionError(FciProtocolError):
 
 
 @dataclass(frozen=True, slots=True)
-class Answer(Generic[_Command]):
+class Answer(Generic[CommandT]):
     """One answer of a robot or a hand.
 
     Attributes:
         command: The answered command.
         command_id: Number of the request.
-        status: The status, numbered alike in all versions; `UNKNOWN` if the version
-            that is spoken does not have it.
+        status: The status, numbered alike in all versions; `UnknownStatus.UNKNOWN` if
+            the version that is spoken does not have it.
         values: All fields, the status as its number on the wire.
         rest: Bytes behind the fields, e.g. a model library.
     """
 
-    command: _Command
+    command: CommandT
     command_id: int
-    status: int
+    status: IntEnum
     values: Mapping[str, Any]
     rest: bytes = b""
 
 
-class Frames(Generic[_Kind]):
-    """Cuts a stream of TCP bytes into messages, however TCP has cut them.
-
-    It also puts heads before messages.
-
-    Args:
-        header: Head of every message.
-        kind_of: Returns the kind of a message, given its head; refuses the head of a
-            message that the protocol does not have.
-    """
-
-    def __init__(
-        self, header: Structure, kind_of: Callable[[Mapping[str, int]], _Kind]
-    ) -> None:
-        self._header = header
-        self._kind_of = kind_of
-        self._received = bytearray()
-
-    def feed(self, data: bytes) -> Iterator[tuple[_Kind, int, bytes]]:
-        """Return the complete messages; the rest waits for more bytes.
-
-        Args:
-            data: The next bytes of the stream.
-
-        Returns:
-            Kind, number of the request, and body of each message.
-        """
-        self._received += data
-        head_size = self._header.size
-        while len(self._received) >= head_size:
-            head = self._header.unpack(self._received[:head_size])
-            # Checked before the body has come: the size in a foreign head means
-            # nothing.
-            kind = self._kind_of(head)
-            if len(self._received) < head["size"]:
-                return
-            body = bytes(self._received[head_size : head["size"]])
-            del self._received[: head["size"]]
-            yield kind, head["command_id"], body
-
-    def pack(self, command: int, command_id: int, body: bytes) -> bytes:
-        """Return a message with its head.
-
-        Args:
-            command: Number of the command on the wire.
-            command_id: Number of the request.
-            body: Bytes after the head.
-        """
-        head = {"command": command, "command_id": command_id}
-        return self._header.pack({**head, "size": self._header.size + len(body)}) + body
-
-
-class Messages(Generic[_Command]):
-    """Makes requests, and reads the answers, however TCP has cut them.
-
-    Args:
-        header: Head of every message.
-        exchanges: Request and answer of every command.
-    """
-
-    def __init__(
-        self, header: Structure, exchanges: Mapping[_Command, Exchange]
-    ) -> None:
-        self._header = header
-        self._exchanges = exchanges
-        self._frames = Frames(header, self._response_of)
-
-    def request(
-        self, command: _Command, number: int, values: Mapping[str, Any] = NOTHING
-    ) -> bytes:
-        """Return a request as bytes.
-
-        Args:
-            command: The requested command.
-            number: Number of the request, which its answers repeat.
-            values: The fields of the request.
-        """
-        exchange = self._exchanges[command]
-        return self._frames.pack(exchange.number, number, exchange.request.pack(values))
-
-    def feed(self, data: bytes) -> Iterator[Answer[_Command]]:
-        """Return the answers that are complete now; the rest waits for more bytes.
-
-        Args:
-            data: The next bytes of the stream.
-
-        Raises:
-            FciProtocolError: A message in the stream is not an answer of the protocol.
-        """
-        for (command, exchange), number, body in self._frames.feed(data):
-            response = exchange.response
-            values = response.unpack(body[: response.size])
-            status = exchange.status_of(values["status"])
-            rest = body[response.size :]
-            yield Answer(command, number, status, values, rest)
-
-    def _response_of(self, head: Mapping[str, int]) -> tuple[_Command, Exchange]:
-        number = head["command"]
-        command = _command_of(self._exchanges, number)
-        if command is None:
-            raise FciProtocolError(f"libfranka: Unexpected answer to command {number}.")
-        exchange = self._exchanges[command]
-        if head["size"] < self._header.size + exchange.response.size:
-            raise FciProtocolError("libfranka: Incorrect TCP message size.")
-        return command, exchange
-
-
 @dataclass(frozen=True, slots=True)
-class Request(Generic[_Command]):
+class Request(Generic[CommandT]):
     """One request of a client.
 
     Attributes:
@@ -192,43 +82,42 @@ class Request(Generic[_Command]):
         values: The fields of the request.
     """
 
-    command: _Command
+    command: CommandT
     command_id: int
     values: Mapping[str, Any]
 
 
-class MessageReader(Generic[_Command]):
-    """Reads the requests of one client, however TCP has cut them.
+class Messages(Generic[CommandT]):
+    """Makes the messages of a version, and reads those of one TCP stream.
+
+    A client makes requests and reads answers, a server the other way round.
 
     Args:
-        header: Head of every message.
-        exchanges: Request and answer of every command.
+        protocol: The version.
     """
 
-    def __init__(
-        self, header: Structure, exchanges: Mapping[_Command, Exchange]
-    ) -> None:
-        self._header = header
-        self._exchanges = exchanges
-        self._frames = Frames(header, self._command_in)
+    def __init__(self, protocol: FciProtocol[CommandT]) -> None:
+        self._header, self._exchanges = protocol.header, protocol.exchanges
+        self._commands = {one.number: key for key, one in self._exchanges.items()}
+        self._received = bytearray()
 
-    def feed(self, data: bytes) -> Iterator[Request[_Command]]:
-        """Return the requests that are complete now; the rest waits for more bytes.
+    def request(
+        self, command: CommandT, number: int, values: Mapping[str, Any] = NOTHING
+    ) -> bytes:
+        """Return a request as bytes.
 
         Args:
-            data: The next bytes of the stream.
-
-        Raises:
-            FciProtocolError: A command is unknown, or its size is another one than the
-                protocol has.
+            command: The requested command.
+            number: Number of the request, which its answers repeat.
+            values: The fields of the request.
         """
-        for command, number, body in self._frames.feed(data):
-            values = self._exchanges[command].request.unpack(body)
-            yield Request(command, number, values)
+        return self._pack(
+            command, number, self._exchanges[command].request.pack(values)
+        )
 
     def answer(
         self,
-        request: Request[_Command],
+        request: Request[CommandT],
         status: int,
         values: Mapping[str, Any] = NOTHING,
         *,
@@ -244,12 +133,64 @@ class MessageReader(Generic[_Command]):
         """
         exchange = self._exchanges[request.command]
         number = exchange.statuses.index(status)
-        data = exchange.response.pack({"status": number, **values}) + tail
-        return self._frames.pack(exchange.number, request.command_id, data)
+        body = exchange.response.pack({"status": number, **values}) + tail
+        return self._pack(request.command, request.command_id, body)
 
-    def _command_in(self, head: Mapping[str, int]) -> _Command:
-        number, size = head["command"], head["size"]
-        command = _command_of(self._exchanges, number)
+    def requests(self, data: bytes) -> Iterator[Request[CommandT]]:
+        """Return the requests that are complete now; the rest waits for more bytes.
+
+        Args:
+            data: The next bytes of the stream.
+
+        Raises:
+            FciProtocolError: A command is unknown, or its size is another one than the
+                protocol has.
+        """
+        for command, number, body in self._cut(data, self._check_request):
+            values = self._exchanges[command].request.unpack(body)
+            yield Request(command, number, values)
+
+    def answers(self, data: bytes) -> Iterator[Answer[CommandT]]:
+        """Return the answers that are complete now; the rest waits for more bytes.
+
+        Args:
+            data: The next bytes of the stream.
+
+        Raises:
+            FciProtocolError: A message in the stream is not an answer of the protocol.
+        """
+        for command, number, body in self._cut(data, self._check_answer):
+            exchange = self._exchanges[command]
+            size = exchange.response.size
+            values = exchange.response.unpack(body[:size])
+            status = exchange.status_of(values["status"])
+            yield Answer(command, number, status, values, body[size:])
+
+    def _cut(
+        self, data: bytes, check: Callable[[int, int], CommandT]
+    ) -> Iterator[tuple[CommandT, int, bytes]]:
+        """Return command, number and body of each message, however TCP has cut them.
+
+        Args:
+            data: The next bytes of the stream.
+            check: Returns the command, given its number and the size of the message;
+                refuses a message that the protocol does not have.
+        """
+        self._received += data
+        start = self._header.size
+        while len(self._received) >= start:
+            head = self._header.unpack(self._received[:start])
+            # Checked before the body has come: the size in a foreign head means
+            # nothing.
+            command, size = check(head["command"], head["size"]), head["size"]
+            if len(self._received) < size:
+                return
+            body = bytes(self._received[start:size])
+            del self._received[:size]
+            yield command, head["command_id"], body
+
+    def _check_request(self, number: int, size: int) -> CommandT:
+        command = self._commands.get(number)
         if command is None:
             raise FciProtocolError(
                 f"The client sent the command {number}, which the protocol does not "
@@ -265,8 +206,19 @@ class MessageReader(Generic[_Command]):
             )
         return command
 
+    def _check_answer(self, number: int, size: int) -> CommandT:
+        command = self._commands.get(number)
+        if command is None:
+            raise FciProtocolError(f"libfranka: Unexpected answer to command {number}.")
+        if size < self._header.size + self._exchanges[command].response.size:
+            raise FciProtocolError("libfranka: Incorrect TCP message size.")
+        return command
 
-def _command_of(exchanges: Mapping[_Command, Exchange], number: int) -> _Command | None:
-    """Return the command with a number on the wire; None if there is none."""
-    found = (command for command, one in exchanges.items() if one.number == number)
-    return next(found, None)
+    def _pack(self, command: CommandT, number: int, body: bytes) -> bytes:
+        """Return a message with its head."""
+        head = {
+            "command": self._exchanges[command].number,
+            "command_id": number,
+            "size": self._header.size + len(body),
+        }
+        return self._header.pack(head) + body

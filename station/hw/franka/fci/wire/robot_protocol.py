@@ -17,10 +17,13 @@ version 9, @d96c221 version 10.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Generic, TypeAlias, TypeVar
 
-from station.hw.franka.fci.wire.structure import Field, Structure
+from station.hw.franka.fci.wire.structure import Field, Structure, fields
 
-HEADER = Structure([("command", "I"), ("command_id", "I"), ("size", "I")])
+CommandT = TypeVar("CommandT", bound=IntEnum)
+
+HEADER = Structure(fields("I command command_id size"))
 """Head of every TCP message to and from an arm."""
 
 
@@ -162,8 +165,12 @@ _POSITION_LIMITS = (
 )
 MERGED_INTO = "joint_position_limits_violation"
 """The error that newer versions have in place of some others."""
-UNKNOWN = 255
-"""Status in place of a status that the version does not have."""
+
+
+class UnknownStatus(IntEnum):
+    """Stands for a status that the version does not have."""
+
+    UNKNOWN = 255
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,174 +187,149 @@ class Exchange:
     request: Structure
     response: Structure
     number: int
-    statuses: Sequence[int]
+    statuses: Sequence[IntEnum]
 
-    def status_of(self, number: int) -> int:
+    def status_of(self, number: int) -> IntEnum:
         """Return the status with a number on the wire.
 
         Args:
-            number: The number; one that the version does not have becomes `UNKNOWN`.
+            number: The number; one that the version does not have becomes
+                `UnknownStatus.UNKNOWN`.
         """
         known = self.statuses
-        return known[number] if number < len(known) else UNKNOWN
+        return known[number] if number < len(known) else UnknownStatus.UNKNOWN
 
 
 @dataclass(frozen=True, slots=True)
-class RobotProtocol:
-    """One version of the protocol of an arm.
+class FciProtocol(Generic[CommandT]):
+    """One version of the protocol of an arm or of a hand.
 
     Attributes:
+        device: `arm` or `hand`.
         version: Number that a client names when it connects.
         port: TCP port of the server.
+        header: Head of every TCP message.
+        connect: The command that comes first.
         exchanges: Request and answer of every command.
-        state: Structure of the arm's state, sent in every cycle.
-        command: Structure of the client's answers while a motion runs.
+        state: Structure of the device's states.
+        command: Structure of the client's answers to the states while a motion runs.
+            A hand gets none, and has nothing of what follows.
         generators: The motion generators that a `MOVE` may ask for.
         merged_errors: Errors in whose place the version has `MERGED_INTO`.
     """
 
+    device: str
     version: int
     port: int
-    exchanges: Mapping[Command, Exchange]
+    header: Structure
+    connect: CommandT
+    exchanges: Mapping[CommandT, Exchange]
     state: Structure
     command: Structure
-    generators: Sequence[MoveGenerator]
-    merged_errors: Sequence[str]
+    generators: Sequence[MoveGenerator] = ()
+    merged_errors: Sequence[str] = ()
 
 
-_THRESHOLDS: list[Field] = [
-    (f"{bound}_{kind}_thresholds_{phase}", "7d" if kind == "torque" else "6d")
-    for kind in ("torque", "force")
+RobotProtocol: TypeAlias = FciProtocol[Command]
+"""One version of the protocol of an arm."""
+
+Row: TypeAlias = tuple[list[Field], list[Field], type[IntEnum]]
+"""Fields of a request, those of its answer behind the status, and the statuses."""
+
+
+def row(
+    *request: str,
+    answer: Sequence[str] = (),
+    statuses: type[IntEnum] = SetterStatus,
+) -> Row:
+    """Return the row of a command.
+
+    Args:
+        request: Fields of the request, as `fields` reads them.
+        answer: Those of the answer behind the status.
+        statuses: The statuses of an answer.
+    """
+    return fields(*request), fields(*answer), statuses
+
+
+_THRESHOLDS = [
+    f"{form} {bound}_{kind}_thresholds_{phase}"
+    for form, kind in (("7d", "torque"), ("6d", "force"))
     for phase in ("acceleration", "nominal")
     for bound in ("lower", "upper")
 ]
-# Fields of the request, those of the answer behind its status, and its statuses.
-_EXCHANGES: dict[Command, tuple[list[Field], list[Field], type[IntEnum]]] = {
-    Command.CONNECT: (
-        [("version", "H"), ("udp_port", "H")],
-        [("version", "H")],
-        ConnectStatus,
+_ROWS = {
+    Command.CONNECT: row(
+        "H version udp_port", answer=["H version"], statuses=ConnectStatus
     ),
-    Command.MOVE: (
-        [
-            ("controller_mode", "I"),
-            ("motion_generator_mode", "I"),
-            ("maximum_path_deviation", "3d"),
-            ("maximum_goal_pose_deviation", "3d"),
-            ("use_async_motion_generator", "?"),
-            ("maximum_velocity", "7d"),
-        ],
-        [],
-        MoveStatus,
+    Command.MOVE: row(
+        "I controller_mode motion_generator_mode",
+        "3d maximum_path_deviation maximum_goal_pose_deviation",
+        "? use_async_motion_generator",
+        "7d maximum_velocity",
+        statuses=MoveStatus,
     ),
-    Command.STOP_MOVE: ([], [], StopMoveStatus),
-    Command.GET_CARTESIAN_LIMIT: (
-        [("id", "i")],
-        [
-            ("object_world_size", "3d"),
-            ("object_frame", "16d"),
-            ("object_activation", "?"),
-        ],
-        SetterStatus,
+    Command.STOP_MOVE: row(statuses=StopMoveStatus),
+    Command.GET_CARTESIAN_LIMIT: row(
+        "i id",
+        answer=["3d object_world_size", "16d object_frame", "? object_activation"],
     ),
-    Command.SET_COLLISION_BEHAVIOR: (_THRESHOLDS, [], SetterStatus),
-    Command.SET_JOINT_IMPEDANCE: ([("K_theta", "7d")], [], SetterStatus),
-    Command.SET_CARTESIAN_IMPEDANCE: ([("K_x", "6d")], [], SetterStatus),
-    Command.SET_GUIDING_MODE: (
-        [("guiding_mode", "6?"), ("nullspace", "?")],
-        [],
-        SetterStatus,
+    Command.SET_COLLISION_BEHAVIOR: row(*_THRESHOLDS),
+    Command.SET_JOINT_IMPEDANCE: row("7d K_theta"),
+    Command.SET_CARTESIAN_IMPEDANCE: row("6d K_x"),
+    Command.SET_GUIDING_MODE: row("6? guiding_mode", "? nullspace"),
+    Command.SET_EE_TO_K: row("16d EE_T_K"),
+    Command.SET_NE_TO_EE: row("16d NE_T_EE"),
+    Command.SET_LOAD: row("d m_load", "3d F_x_Cload", "9d I_load"),
+    Command.SET_FILTERS: row(
+        "d joint_position_filter_frequency joint_velocity_filter_frequency",
+        "d cartesian_position_filter_frequency cartesian_velocity_filter_frequency",
+        "d controller_filter_frequency",
     ),
-    Command.SET_EE_TO_K: ([("EE_T_K", "16d")], [], SetterStatus),
-    Command.SET_NE_TO_EE: ([("NE_T_EE", "16d")], [], SetterStatus),
-    Command.SET_LOAD: (
-        [("m_load", "d"), ("F_x_Cload", "3d"), ("I_load", "9d")],
-        [],
-        SetterStatus,
-    ),
-    Command.SET_FILTERS: (
-        [
-            ("joint_position_filter_frequency", "d"),
-            ("joint_velocity_filter_frequency", "d"),
-            ("cartesian_position_filter_frequency", "d"),
-            ("cartesian_velocity_filter_frequency", "d"),
-            ("controller_filter_frequency", "d"),
-        ],
-        [],
-        SetterStatus,
-    ),
-    Command.AUTOMATIC_ERROR_RECOVERY: ([], [], RecoveryStatus),
-    Command.LOAD_MODEL_LIBRARY: (
-        [("architecture", "B"), ("system", "B")],
-        [],
-        LibraryStatus,
-    ),
-    Command.GET_ROBOT_MODEL: ([], [], ModelStatus),
+    Command.AUTOMATIC_ERROR_RECOVERY: row(statuses=RecoveryStatus),
+    Command.LOAD_MODEL_LIBRARY: row("B architecture system", statuses=LibraryStatus),
+    Command.GET_ROBOT_MODEL: row(statuses=ModelStatus),
 }
 
-_STATE: list[Field] = [
-    ("message_id", "Q"),
-    ("O_T_EE", "16d"),
-    ("O_T_EE_d", "16d"),
-    ("F_T_EE", "16d"),
-    ("EE_T_K", "16d"),
-    ("F_T_NE", "16d"),
-    ("NE_T_EE", "16d"),
-    ("m_ee", "d"),
-    ("I_ee", "9d"),
-    ("F_x_Cee", "3d"),
-    ("m_load", "d"),
-    ("I_load", "9d"),
-    ("F_x_Cload", "3d"),
-    ("elbow", "2d"),
-    ("elbow_d", "2d"),
-    ("tau_J", "7d"),
-    ("tau_J_d", "7d"),
-    ("dtau_J", "7d"),
-    ("q", "7d"),
-    ("q_d", "7d"),
-    ("dq", "7d"),
-    ("dq_d", "7d"),
-    ("ddq_d", "7d"),
-    ("joint_contact", "7d"),
-    ("cartesian_contact", "6d"),
-    ("joint_collision", "7d"),
-    ("cartesian_collision", "6d"),
-    ("tau_ext_hat_filtered", "7d"),
-    ("O_F_ext_hat_K", "6d"),
-    ("K_F_ext_hat_K", "6d"),
-    ("O_dP_EE_d", "6d"),
-    ("O_ddP_O", "3d"),
-    ("elbow_c", "2d"),
-    ("delbow_c", "2d"),
-    ("ddelbow_c", "2d"),
-    ("O_T_EE_c", "16d"),
-    ("O_dP_EE_c", "6d"),
-    ("O_ddP_EE_c", "6d"),
-    ("theta", "7d"),
-    ("dtheta", "7d"),
-    ("accelerometer_top", "18d"),
-    ("accelerometer_bottom", "18d"),
-    ("motion_generator_mode", "B"),
-    ("controller_mode", "B"),
-    ("errors", "41?"),
-    ("reflex_reason", "41?"),
-    ("robot_mode", "B"),
-    ("control_command_success_rate", "d"),
-]
+_STATE = fields(
+    "Q message_id",
+    "16d O_T_EE O_T_EE_d F_T_EE EE_T_K F_T_NE NE_T_EE",
+    "d m_ee",
+    "9d I_ee",
+    "3d F_x_Cee",
+    "d m_load",
+    "9d I_load",
+    "3d F_x_Cload",
+    "2d elbow elbow_d",
+    "7d tau_J tau_J_d dtau_J q q_d dq dq_d ddq_d",
+    "7d joint_contact",
+    "6d cartesian_contact",
+    "7d joint_collision",
+    "6d cartesian_collision",
+    "7d tau_ext_hat_filtered",
+    "6d O_F_ext_hat_K K_F_ext_hat_K O_dP_EE_d",
+    "3d O_ddP_O",
+    "2d elbow_c delbow_c ddelbow_c",
+    "16d O_T_EE_c",
+    "6d O_dP_EE_c O_ddP_EE_c",
+    "7d theta dtheta",
+    "18d accelerometer_top accelerometer_bottom",
+    "B motion_generator_mode controller_mode",
+    "41? errors reflex_reason",
+    "B robot_mode",
+    "d control_command_success_rate",
+)
 
-_COMMAND: list[Field] = [
-    ("message_id", "Q"),
-    ("q_c", "7d"),
-    ("dq_c", "7d"),
-    ("O_T_EE_c", "16d"),
-    ("O_dP_EE_c", "6d"),
-    ("elbow_c", "2d"),
-    ("valid_elbow", "?"),
-    ("motion_generation_finished", "?"),
-    ("tau_J_d", "7d"),
-    ("torque_command_finished", "?"),
-]
+_COMMAND = fields(
+    "Q message_id",
+    "7d q_c dq_c",
+    "16d O_T_EE_c",
+    "6d O_dP_EE_c",
+    "2d elbow_c",
+    "? valid_elbow motion_generation_finished",
+    "7d tau_J_d",
+    "? torque_command_finished",
+)
 
 _VERSIONS = (5, 6, 7, 8, 9, 10)
 _SPOKEN = {
@@ -376,12 +358,12 @@ def _has(version: int, name: str) -> bool:
     return name not in _SPOKEN or _SPOKEN[name][_VERSIONS.index(version)] == "x"
 
 
-def _structure(version: int, fields: Sequence[Field]) -> Structure:
-    return Structure([field for field in fields if _has(version, field[0])])
+def _structure(version: int, told: Sequence[Field]) -> Structure:
+    return Structure([field for field in told if _has(version, field[0])])
 
 
 def _exchange(version: int, command: Command, number: int) -> Exchange:
-    request, answer, statuses = _EXCHANGES[command]
+    request, answer, statuses = _ROWS[command]
     return Exchange(
         _structure(version, request),
         _structure(version, [("status", "B"), *answer]),
@@ -393,9 +375,12 @@ def _exchange(version: int, command: Command, number: int) -> Exchange:
 def _protocol(version: int) -> RobotProtocol:
     commands = [command for command in Command if _has(version, command.name)]
     number = "f" if _has(version, "single precision") else "d"
-    return RobotProtocol(
+    return FciProtocol(
+        device="arm",
         version=version,
         port=1337,
+        header=HEADER,
+        connect=Command.CONNECT,
         exchanges={
             command: _exchange(version, command, number)
             for number, command in enumerate(commands)

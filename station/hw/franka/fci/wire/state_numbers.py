@@ -1,7 +1,5 @@
 """Copies between the numbers of a state's message and those of `RobotState`."""
 
-import struct
-
 import numpy as np
 
 from station.core.franka.franka_robot_state import RobotState, array_places
@@ -11,7 +9,6 @@ _FIRST_NUMBER = "O_T_EE"
 _BEHIND_NUMBERS = "motion_generator_mode"
 _LAST_NUMBER = "control_command_success_rate"
 _MASSES = ("m_ee", "m_load")
-_SINGLE = 4  # bytes of a number in single precision
 
 
 class StateNumbers:
@@ -33,11 +30,10 @@ class StateNumbers:
     def __init__(
         self, layout: Structure, message: bytearray, state: RobotState
     ) -> None:
-        self._message, self._state, places = message, state, array_places()
+        self._layout, self._message, self._state = layout, message, state
+        places = array_places()
         first, behind = layout.offsets[_FIRST_NUMBER], layout.offsets[_BEHIND_NUMBERS]
-        self._rate = layout.offsets[_LAST_NUMBER]
-        size = layout.size - self._rate
-        self._number = struct.Struct("<f" if size == _SINGLE else "<d")
+        size = layout.size - layout.offsets[_LAST_NUMBER]
         # Index in the state's block of each number of the message.
         indices: list[int] = []
         self._masses: list[tuple[str, int]] = []
@@ -68,7 +64,7 @@ class StateNumbers:
             self._doubles[place] = getattr(self._state, name)
         self._numbers[:] = self._doubles
         rate = self._state.control_command_success_rate
-        self._number.pack_into(self._message, self._rate, rate)
+        self._layout.write(self._message, _LAST_NUMBER, rate)
 
     def read(self) -> None:
         """Bring the state up to date."""
@@ -78,5 +74,5 @@ class StateNumbers:
         state = self._state
         for name, place in self._masses:
             setattr(state, name, float(self._doubles[place]))
-        (rate,) = self._number.unpack_from(self._message, self._rate)
+        (rate,) = self._layout.read(self._message, _LAST_NUMBER)
         state.control_command_success_rate = rate

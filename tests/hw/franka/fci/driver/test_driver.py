@@ -213,6 +213,14 @@ def test_arm_without_any_state_is_not_connected_to(network):
     assert network.is_closed
 
 
+def test_states_of_another_size_are_no_states(network):
+    wait = network.wait
+    network.wait = lambda buffer: wait(buffer) + 1
+    with pytest.raises(FciNetworkError, match="UDP receive: Timeout"):
+        FciArm(network, PlainModel)
+    assert network.is_closed
+
+
 def test_wait_tells_cycles_that_were_lost_on_the_way(network, arm):
     assert arm.wait() == 1
     network.messages += 4

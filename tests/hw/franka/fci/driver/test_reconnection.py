@@ -6,8 +6,9 @@ from station.core.errors import ArmCommandError
 from station.core.franka import RobotMode
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.fci.driver.arm_link import Connection, Reconnection
+from station.hw.franka.fci.driver.arm_link import Reconnection
 from station.hw.franka.fci.driver.fci_arm import FciArm
+from station.hw.franka.fci.driver.fci_client import Connection
 from station.hw.franka.fci.driver.network import SLICE, UDP_TIMEOUT, FciNetworkError
 from station.hw.franka.fci.wire.robot_protocol import PANDA, Command
 from tests.hw.franka.fci.driver.test_driver import answering

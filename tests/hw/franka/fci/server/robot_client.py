@@ -3,7 +3,6 @@
 from station.hw.franka.fci.server.robot_session import RobotSession
 from station.hw.franka.fci.wire.messages import Messages
 from station.hw.franka.fci.wire.robot_protocol import (
-    HEADER,
     PANDA,
     PROTOCOLS,
     Command,
@@ -16,14 +15,13 @@ UDP_PORT = 4711
 
 def request(command, command_id, values=None, protocol=PANDA):
     """Return a request as bytes."""
-    messages = Messages(HEADER, protocol.exchanges)
-    return messages.request(command, command_id, values or {})
+    return Messages(protocol).request(command, command_id, values or {})
 
 
 def answers(data, protocol=PANDA):
     """Return (command, command_id, fields) of every answer in some bytes."""
-    messages = Messages(HEADER, protocol.exchanges)
-    return [(one.command, one.command_id, one.values) for one in messages.feed(data)]
+    found = Messages(protocol).answers(data)
+    return [(one.command, one.command_id, one.values) for one in found]
 
 
 class RobotClient:

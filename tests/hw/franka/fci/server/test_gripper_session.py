@@ -106,6 +106,11 @@ def test_wrong_version_is_not_connected():
         client.ask(HandCommand.HOMING)
 
 
+def test_client_connects_once(client):
+    with pytest.raises(FciProtocolError, match="connected a second time"):
+        client.ask(HandCommand.CONNECT, version=3, udp_port=1)
+
+
 def test_client_that_goes_stops_the_fingers(client):
     client.ask(HandCommand.MOVE, width=0.0, speed=0.05)
     client.run(50)

@@ -8,7 +8,7 @@ from station.hw.franka.fci.wire.robot_protocol import HEADER, PANDA, Command
 
 @pytest.fixture
 def messages():
-    return Messages(HEADER, PANDA.exchanges)
+    return Messages(PANDA)
 
 
 def answer(command, number, status, tail=b""):
@@ -19,7 +19,7 @@ def answer(command, number, status, tail=b""):
 
 def test_answers_come_out_whole_however_they_are_cut(messages):
     stream = answer(Command.MOVE, 3, 1) + answer(Command.STOP_MOVE, 4, 0)
-    found = [one for byte in stream for one in messages.feed(bytes([byte]))]
+    found = [one for byte in stream for one in messages.answers(bytes([byte]))]
     assert [(one.command, one.command_id, one.status) for one in found] == [
         (Command.MOVE, 3, 1),
         (Command.STOP_MOVE, 4, 0),
@@ -28,7 +28,7 @@ def test_answers_come_out_whole_however_they_are_cut(messages):
 
 def test_what_follows_the_fields_is_passed_over(messages):
     stream = answer(Command.LOAD_MODEL_LIBRARY, 1, 0, b"library" * 1000)
-    found = list(messages.feed(stream + answer(Command.MOVE, 2, 1)))
+    found = list(messages.answers(stream + answer(Command.MOVE, 2, 1)))
     assert [one.command_id for one in found] == [1, 2]
 
 
@@ -37,4 +37,4 @@ def test_what_is_no_answer_is_told(messages, head):
     command, size = head
     data = HEADER.pack({"command": command, "command_id": 1, "size": size})
     with pytest.raises(FciProtocolError, match="libfranka: "):
-        list(messages.feed(data + bytes(10)))
+        list(messages.answers(data + bytes(10)))

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from station.hw.franka.fci.wire.messages import MessageReader, Messages, Request
+from station.hw.franka.fci.wire.messages import Messages, Request
 from station.hw.franka.fci.wire.robot_protocol import (
-    HEADER,
     PROTOCOLS,
     Command,
     ConnectStatus,
@@ -99,9 +98,8 @@ def test_state_and_command_are_those_of_the_headers(protocol, parts):
 
 
 def test_requests_are_read_and_written_to_the_same_bytes(protocol, parts):
-    reader = MessageReader(HEADER, protocol.exchanges)
-    messages = Messages(HEADER, protocol.exchanges)
-    found = list(reader.feed(parts[0]))
+    messages = Messages(protocol)
+    found = list(messages.requests(parts[0]))
     assert [one.command for one in found] == list(protocol.exchanges)
     assert [one.command_id for one in found] == list(range(1, len(found) + 1))
     for one in found:
@@ -114,16 +112,15 @@ def test_requests_are_read_and_written_to_the_same_bytes(protocol, parts):
 
 
 def test_answers_are_read_and_written_to_the_same_bytes(protocol, parts):
-    reader = MessageReader(HEADER, protocol.exchanges)
-    messages = Messages(HEADER, protocol.exchanges)
-    found, written = list(messages.feed(parts[1])), b""
+    messages = Messages(protocol)
+    found, written = list(messages.answers(parts[1])), b""
     for one in found:
         layout = protocol.exchanges[one.command].response
         given = {"version": protocol.version, "status": one.values["status"]}
         check(layout, one.values, given)
         assert one.rest == TAILS.get(one.command, b"")
         request = Request(one.command, one.command_id, {})
-        written += reader.answer(request, one.status, one.values, tail=one.rest)
+        written += messages.answer(request, one.status, one.values, tail=one.rest)
     assert written == parts[1]
     told = [(one.command, one.status) for one in found]
     wrong = [SetterStatus.INVALID_ARGUMENT_REJECTED]

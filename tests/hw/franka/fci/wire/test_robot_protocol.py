@@ -11,7 +11,6 @@ from station.hw.franka.fci.wire.robot_protocol import (
     FR3,
     PANDA,
     PROTOCOLS,
-    UNKNOWN,
     Command,
     ConnectStatus,
     LibraryStatus,
@@ -21,6 +20,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     RecoveryStatus,
     SetterStatus,
     StopMoveStatus,
+    UnknownStatus,
 )
 from tests.hw.franka.fci.wire.drawn_values import values_of
 
@@ -263,7 +263,7 @@ def test_version_7_ends_torques_and_has_motions_without_a_generator():
 def test_version_5_has_no_statuses_of_safety_functions():
     for exchange in PANDA.exchanges.values():
         assert list(exchange.statuses) == list(range(len(exchange.statuses)))
-        assert exchange.status_of(77) == UNKNOWN
+        assert exchange.status_of(77) == UnknownStatus.UNKNOWN
 
 
 def test_every_array_of_the_message_is_one_of_the_arms_state_of_the_same_size():

@@ -1,0 +1,97 @@
+"""One client of an arm or a hand: it connects, and then its requests are answered."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any, Generic
+
+from station.hw.franka.fci.wire.messages import (
+    NOTHING,
+    FciProtocolError,
+    FciVersionError,
+    Messages,
+    Request,
+)
+from station.hw.franka.fci.wire.robot_protocol import (
+    CommandT,
+    ConnectStatus,
+    FciProtocol,
+)
+
+
+class Session(ABC, Generic[CommandT]):
+    """Serves one client; each client gets a new session. Control thread.
+
+    Args:
+        protocols: The versions that are spoken; the client chooses one. The last one
+            is the device's own: a client that asks for another version gets it as the
+            answer.
+
+    Attributes:
+        udp_port: The client's UDP port; None until it has connected.
+    """
+
+    def __init__(self, protocols: Sequence[FciProtocol[CommandT]]) -> None:
+        self._protocols = protocols
+        self._speak(protocols[-1])  # a client connects in the same way with all
+        self.udp_port: int | None = None
+
+    def receive(self, data: bytes) -> bytes:
+        """Take bytes of the TCP stream; return the answers that are due at once.
+
+        Args:
+            data: The next bytes.
+
+        Raises:
+            FciProtocolError: The client broke the protocol; the connection must end.
+        """
+        requests = self._messages.requests(data)
+        return b"".join(self._answer(request) for request in requests)
+
+    @abstractmethod
+    def _serve(self, request: Request[CommandT]) -> bytes:
+        """Carry a request of a connected client out; return the answers that are due.
+
+        Args:
+            request: The request.
+        """
+
+    def _speak(self, protocol: FciProtocol[CommandT]) -> None:
+        self._protocol, self._messages = protocol, Messages(protocol)
+
+    def _answer(self, request: Request[CommandT]) -> bytes:
+        device, command = self._protocol.device, request.command
+        if command is self._protocol.connect:
+            return self._connect(request)
+        if self.udp_port is None:
+            raise FciProtocolError(
+                f"The client sent {command.name} before it had connected.",
+                remedy=f"Connect first, with a version that the {device} speaks.",
+            )
+        return self._serve(request)
+
+    def _connect(self, request: Request[CommandT]) -> bytes:
+        if self.udp_port is not None:
+            raise FciProtocolError(
+                "The client connected a second time.", remedy="Connect once."
+            )
+        asked = request.values["version"]
+        for protocol in self._protocols:
+            if asked == protocol.version:
+                self._speak(protocol)
+                self.udp_port = request.values["udp_port"]
+                return self._say(request, ConnectStatus.SUCCESS, {"version": asked})
+        own = self._protocol
+        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
+        told = self._say(request, status, {"version": own.version})
+        spoken = [protocol.version for protocol in self._protocols]
+        raise FciVersionError(own.device, asked, spoken, told)
+
+    def _say(
+        self,
+        request: Request[CommandT],
+        status: int,
+        values: Mapping[str, Any] = NOTHING,
+        *,
+        tail: bytes = b"",
+    ) -> bytes:
+        return self._messages.answer(request, status, values, tail=tail)
