@@ -85,6 +85,7 @@ GAINS=$API/controllers/effort_group_position_controller/gains
 curl -H "$AUTH" $GAINS
 curl -H "$AUTH" -H "$JSON" -X PATCH $GAINS -d '{"values": {"panda_joint7/p": 80}}'
 curl -H "$AUTH" -H "$JSON" -X PATCH -H 'If-Match: "an older one"' $GAINS -d '{"values": {"panda_joint7/p": 90}}'      # 412
+curl -H "$AUTH" $API/controllers/effort_group_position_controller/config.yaml
 
 curl -H "$AUTH" -X PUT $API/gain-sets/before
 curl -H "$AUTH" -H "$JSON" -X PATCH $GAINS -d '{"values": {"panda_joint7/p": 70}}'

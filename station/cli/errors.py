@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+from station.cli.remedies import for_terminal
 from station.core.errors import StationError, show
 from station.core.installation import missing_extra
 
@@ -51,8 +52,9 @@ def report(failure: Failure, *, as_json: bool) -> None:
         sys.stderr.write(json.dumps(failure.as_problem()) + "\n")
         return
     sys.stderr.write(f"error: {failure.detail}\n")
-    if failure.remedy:
-        sys.stderr.write(f"{failure.remedy}\n")
+    remedy = for_terminal(failure.code, failure.remedy)
+    if remedy:
+        sys.stderr.write(f"{remedy}\n")
 
 
 def failure_of(

@@ -544,6 +544,7 @@ class StationClient(_Client[AsyncStationClient]):
     switch_controllers = _waited_for(AsyncStationClient.switch_controllers)
     gains = _waited_for(AsyncStationClient.gains)
     set_gains = _waited_for(AsyncStationClient.set_gains)
+    download_config = _waited_for(AsyncStationClient.download_config)
     last_command = _waited_for(AsyncStationClient.last_command)
     command = _waited_for(AsyncStationClient.command)
     controller_state = _waited_for(AsyncStationClient.controller_state)

@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Literal
 
 from pydantic import JsonValue
@@ -245,6 +246,23 @@ class AsyncControllersClient(ClientPart):
         return await self._send(
             "PATCH", path, wire.GainsChange, request, headers=headers
         )
+
+    async def download_config(self, name: str, target: Path | str) -> Path:
+        """Write the parameters of a controller, with its gains in force, to a new file.
+
+        Args:
+            name: The controller.
+            target: The file, YAML as ros_control has it; it must not exist.
+
+        Returns:
+            The path of the file.
+
+        Raises:
+            FileExistsError: The file already exists.
+        """
+        target = Path(target)
+        await self._connection.download(self._of(name, "config.yaml"), target)
+        return target
 
     async def last_command(self, name: str) -> wire.CommandInfo:
         """Return the elements of a controller's set-point, and the last set-point."""

@@ -158,9 +158,13 @@ class AsyncRecordingsClient(AsyncFilesClient):
             LookupError: No recording runs.
         """
         if identifier is None:
-            running = [r for r in await self.list() if r.state == "recording"]
+            known = await self.list()
+            running = [r for r in known if r.state == "recording"]
             if not running:
-                raise LookupError("Nothing is being recorded.")
+                text = "Nothing is being recorded."
+                if known and known[-1].state == "failed":
+                    text += f" {known[-1].identifier} failed: {known[-1].error}"
+                raise LookupError(text)
             identifier = running[-1].identifier
         return await self._send("POST", self._of(identifier, "stop"), wire.Recording)
 

@@ -9,7 +9,7 @@ joint_group_position_controller.cpp, joint_position_controller.cpp,
 joint_velocity_controller.cpp, velocity_controllers/src/joint_position_controller.cpp.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import Enum
 from math import inf, isfinite
@@ -305,6 +305,7 @@ class JointPidGroup:
     Args:
         joints: The joints.
         gains: First gains, in the same order.
+        places: Namespaces of the parameters that give them, see `PidGains.places`.
         error: The quantity whose error the PIDs reduce.
         command: The quantity that the PIDs compute.
         commands: Receives the commands, shape (n,); None for new memory.
@@ -328,6 +329,7 @@ class JointPidGroup:
         joints: list[JointDescription],
         gains: list[PidGains],
         *,
+        places: Sequence[str] = (),
         error: JointQuantity,
         command: JointQuantity,
         commands: Doubles | None = None,
@@ -344,10 +346,14 @@ class JointPidGroup:
         self._use(gains)
         schema: dict[str, Tunable] = {}
         values: dict[str, float] = {}
-        for joint, each in zip(joints, gains, strict=True):
+        for joint, each, place in zip(
+            joints, gains, places or [""] * size, strict=True
+        ):
             units = _units(command.unit(joint), error.unit(joint))
             for key, value in _named(each).items():
-                schema[f"{joint.name}/{key}"] = _tunable(key, value, units[key])
+                gain = _tunable(key, value, units[key])
+                parameter = f"{place}/{key}" if place else ""
+                schema[f"{joint.name}/{key}"] = replace(gain, parameter=parameter)
                 values[f"{joint.name}/{key}"] = value
         self.tunables = Tunables(
             schema,
@@ -668,6 +674,7 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
         self._pids = JointPidGroup(
             self.joints,
             PidGains.of_joints(params, self.joint_names),
+            places=PidGains.places(params, self.joint_names),
             error=self.quantity,
             command=self.command_quantity,
             commands=self.memory.commands,

@@ -418,8 +418,12 @@ class RecordStore:
     def _write(self, info: RecordingInfo) -> None:
         path = self._description(info.identifier)
         draft = path.with_suffix(".draft")
-        draft.write_text(json.dumps(asdict(info)), encoding="utf-8")
-        draft.replace(path)
+        try:
+            draft.write_text(json.dumps(asdict(info)), encoding="utf-8")
+            draft.replace(path)
+        except OSError:
+            draft.unlink(missing_ok=True)
+            raise
 
     def _descriptions(self) -> list[Path]:
         return sorted(self.folder.glob("*.json"), key=lambda path: path.stem)

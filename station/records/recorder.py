@@ -183,7 +183,8 @@ class Recorder:
                 info = self.store.info(identifier)
                 if present is None or info.identifier != present.info.identifier:
                     raise RecordingRefusedError(
-                        f"'{identifier}' is not being recorded; it is {info.state}.",
+                        f"'{identifier}' is not being recorded; it is {info.state}. "
+                        f"{info.error}".strip(),
                         remedy="Only the recording that runs can be stopped.",
                         details={"id": identifier, "state": info.state},
                     )

@@ -359,6 +359,10 @@ class FakeStation:
         previous = dict.fromkeys(values, 600.0)
         return GainsChange(values=values, previous=previous, revision=2, cycle=9)
 
+    def download_config(self, name, target):
+        target.write_text(f"{name}: {{gains: {{j1: {{p: 500.0}}}}}}\n", "utf-8")
+        return target
+
     def command(self, name, values):
         self.record("command", name, values)
         return CommandAccepted(epoch=3)

@@ -9,7 +9,7 @@ from station.client.connection import AsyncConnection
 from station.client.errors import ApiError
 from station.client.stores import AsyncRecordingsClient
 from station.reports import examples_of
-from station.wire import ExperimentRequest, Waypoint
+from station.wire import ExperimentRequest, Recording, Recordings, Waypoint
 from station.wire.experiments import Experiment
 from tests.client.recorder import Recorder
 
@@ -28,6 +28,18 @@ def test_a_file_is_written_as_it_comes(tmp_path):
     path = asyncio.run(_recordings(answer).download("a", tmp_path / "x"))
 
     assert path.read_bytes() == b"bytes"
+
+
+def test_stopping_a_recording_that_failed_tells_why():
+    failed = examples_of(Recording.__doc__)[0] | {
+        "state": "failed",
+        "error": "The disk is full.",
+    }
+    answer = Recordings.model_validate({"recordings": [failed]}).model_dump_json()
+    recordings = _recordings(lambda _: httpx.Response(200, text=answer))
+
+    with pytest.raises(LookupError, match="-pick failed: The disk is full"):
+        asyncio.run(recordings.stop())
 
 
 def test_a_refusal_makes_no_file(tmp_path):

@@ -1,9 +1,11 @@
 """Rows, messages and the reader of recordings, in small."""
 
+import errno
 import os
 import stat
 from array import array
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -173,6 +175,20 @@ def test_a_recording_that_has_the_name_as_its_id_is_meant(store, begin):
     begin(first.identifier)
 
     assert store.info(first.identifier) == first
+
+
+def test_a_description_that_finds_no_room_leaves_nothing(store, begin, monkeypatch):
+    info = begin("a")
+    before = sorted(store.folder.iterdir())
+
+    def write(path, _text, **_kinds):
+        path.touch()
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", write)
+
+    assert store.keep(replace(info, note="new")).errno == errno.ENOSPC
+    assert sorted(store.folder.iterdir()) == before
 
 
 def test_a_recording_is_deleted_by_its_name(store):

@@ -3,6 +3,7 @@
 import logging
 
 from fastapi import APIRouter, Request, Response
+from fastapi.responses import PlainTextResponse
 
 from station import wire
 from station.api import answers
@@ -13,6 +14,7 @@ from station.api.routes.rehearsals import ByRehearsalDep
 from station.api.routes.routing import change, problems, routes_of
 from station.core.control import switching
 from station.core.facade.station import Station
+from station.library.controller_file import controller_file
 from station.wire import Parameter, ParameterRequest
 
 _LOGGER = logging.getLogger(__name__)
@@ -105,6 +107,25 @@ def list_chains(station: StationDep) -> wire.ControllerChains:
 def get_controller(name: str, station: StationDep) -> wire.ControllerState:
     """Return one controller."""
     return wire.ControllerState.model_validate(station.controller(name))
+
+
+class YamlResponse(PlainTextResponse):
+    """Text of a YAML file."""
+
+    media_type = "application/yaml"
+
+
+@_controllers.get(
+    "/controllers/{name}/config.yaml",
+    response_class=YamlResponse,
+    responses=problems(404),
+)
+def get_controller_config(name: str, station: StationDep) -> YamlResponse:
+    """Return the parameters of a controller, with its gains in force, as a file.
+
+    It is a parameter file of ros_control, which `station run --controllers` loads.
+    """
+    return YamlResponse(controller_file(station, name))
 
 
 @_controllers.delete(

@@ -1,7 +1,9 @@
 """Verb `gains`: show and change run-time parameters, and sets of them."""
 
+import tempfile
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
@@ -25,14 +27,21 @@ def add_gains(parser: "Parser") -> None:
         "name",
         nargs="?",
         metavar="NAME",
-        help="a controller to show or set; a gain set to save, load, diff or delete",
+        help="a controller to show, set or export; a gain set to save, load, diff or "
+        "delete",
     )
     parser.add_argument(
         "words",
         nargs="*",
         metavar="WORD",
         help="set: NAME=VALUE, e.g. panda_joint1/p=500; save and load: controllers, "
-        "all when left out",
+        "all when left out; export: more controllers",
+    )
+    parser.add_argument(
+        "--file",
+        type=Path,
+        metavar="FILE",
+        help="export: the file to write; the present one is kept as FILE~",
     )
 
 
@@ -47,11 +56,13 @@ def gains(options: Namespace) -> int:
         (options.name is not None) != needs_name
         or (words == "some" and not options.words)
         or (words == "none" and options.words)
+        or (options.file is not None and options.action != "export")
     )
     if is_wrong:
         raise UsageError(
             f"The words after `gains {options.action}` are too few or too many.",
             remedy="station gains show arm, station gains set arm panda_joint1/p=500, "
+            "station gains export arm [--file FILE], "
             "station gains save|load|diff|delete SET, station gains list|undo.",
         )
     is_set = options.action == "set"
@@ -94,6 +105,36 @@ def answer_change(
     for note in () if options.json else notes:
         say(f"Note: {note}")
     return 0
+
+
+def _export(client: "StationClient", options: Namespace) -> int:
+    """Print or write the parameters of controllers, with their gains in force.
+
+    Raises:
+        UsageError: The file cannot be written.
+    """
+    text = ""
+    with tempfile.TemporaryDirectory() as folder:
+        for index, name in enumerate(dict.fromkeys([options.name, *options.words])):
+            part = client.download_config(name, Path(folder) / f"{index}.yaml")
+            text += part.read_text("utf-8")
+    file = options.file
+    if file is None:
+        return answer(options, {"config": text}, text.rstrip("\n"))
+    lines = [f"Wrote {file}."]
+    try:
+        # Written beside it first: a full disk must not cost the present file.
+        draft = file.with_name(f"{file.name}.part")
+        draft.write_text(text, "utf-8")
+        if file.exists():
+            file.replace(f"{file}~")
+            lines.append(f"The file before is {file}~.")
+        draft.replace(file)
+    except OSError as error:
+        raise UsageError(
+            f"{file} cannot be written: {error.strerror}.", remedy="Name another file."
+        ) from error
+    return answer(options, {"file": str(file)}, *lines)
 
 
 def _list(client: "StationClient", options: Namespace) -> int:
@@ -151,6 +192,7 @@ _ACTIONS: Mapping[str, tuple[Action, bool, str]] = {
     "save": (_save, True, "any"),
     "load": (_load, True, "any"),
     "diff": (_diff, True, "none"),
+    "export": (_export, True, "any"),
     "delete": (_delete, True, "none"),
     "undo": (_undo, False, "none"),
 }

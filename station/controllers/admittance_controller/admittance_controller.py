@@ -5,6 +5,7 @@ admittance_controller_parameters.yaml.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from math import inf, sqrt
 from typing import ClassVar
 
@@ -291,15 +292,23 @@ class AdmittanceController(JointReferenceController):
         }
         schema, values = {}, {}
         for key, numbers in lists.items():
-            for axis, value in zip(_AXES, numbers, strict=True):
-                schema[f"{key}/{axis}"] = _TUNED[key].including(value)
+            for k, (axis, value) in enumerate(zip(_AXES, numbers, strict=True)):
+                tunable = _TUNED[key].including(value)
+                parameter = f"admittance/{key}[{k}]"
+                schema[f"{key}/{axis}"] = replace(tunable, parameter=parameter)
                 values[f"{key}/{axis}"] = value
         for name, declared, most in (
             ("joint_damping", _JOINT_DAMPING, 100.0),
             ("tool_weight", _WEIGHT, 200.0),
         ):
             value = declared.read_float(params)
-            tunable = Tunable(declared.unit, 0.0, most, declared.description)
+            tunable = Tunable(
+                declared.unit,
+                0.0,
+                most,
+                declared.description,
+                parameter=declared.name,
+            )
             schema[name] = tunable.including(value)
             values[name] = value
         self.tunables = Tunables(schema, values, apply=self._apply)

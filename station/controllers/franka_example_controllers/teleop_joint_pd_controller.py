@@ -244,12 +244,16 @@ _SCALARS = {
     "force_feedback_guiding": Tunable(
         "", 0.0, 1.0, "share of the torques felt by a guided leader"
     ),
-    "leader_contact_force_threshold": Tunable(
-        "N", 0.1, 10.0, "a larger force is a contact"
-    ),
-    "follower_contact_force_threshold": Tunable(
-        "N", 0.1, 10.0, "a larger force is a contact"
-    ),
+    **{
+        f"{role}_{_CONTACT.name}": Tunable(
+            "N",
+            0.1,
+            10.0,
+            "a larger force is a contact",
+            parameter=_CONTACT.inside(role).name,
+        )
+        for role in ROLES
+    },
 }
 
 
@@ -334,7 +338,11 @@ def teleop_schema(gains: Mapping[str, float]) -> dict[str, Tunable]:
         for number, maximum in enumerate(largest, 1):
             text = f"{declared.description}, joint {number}"
             schema[f"{prefix}_{number}"] = Tunable(
-                declared.unit, _SMALLEST, maximum, text
+                declared.unit,
+                _SMALLEST,
+                maximum,
+                text,
+                parameter=f"{declared.name}[{number - 1}]",
             )
     return {
         name: replace(

@@ -598,6 +598,7 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
         self._pids = JointPidGroup(
             [self.joint],
             PidGains.of_joints(params, [self.joint.name]),
+            places=PidGains.places(params, [self.joint.name]),
             error=JointQuantity.POSITION,
             command=JointQuantity.EFFORT,
         )

@@ -121,9 +121,11 @@ class CartesianImpedanceController(ArmTorqueController):
         posture = [*self._q]
         if not self._starts_posture:
             posture = _POSTURE.read_float_list(params)
-        for name in names:
+        for k, name in enumerate(names):
+            # A posture of the start belongs to that start, not to the parameters.
+            parameter = "" if self._starts_posture else f"{_POSTURE.name}[{k}]"
             schema[f"{name}/posture"] = Tunable(
-                "rad", -_TURN, _TURN, _POSTURE.description
+                "rad", -_TURN, _TURN, _POSTURE.description, parameter=parameter
             )
         self.tunables = Tunables(
             schema, values | self._named(posture), apply=self._apply

@@ -101,14 +101,16 @@ class JointImpedanceController(ArmTorqueController):
         )
         self._cycle = 0
         schema, values = read_settings(_SETTINGS, params)
-        for name, stiffness in zip(
-            self.joint_names, _STIFFNESS.read_per_axis(params), strict=True
-        ):
-            largest = max(_LARGEST_STIFFNESS, stiffness)
-            schema[f"{name}/stiffness"] = Tunable(
-                "Nm/rad", 0.0, largest, "stiffness of the joint"
+        for k, stiffness in enumerate(_STIFFNESS.read_per_axis(params)):
+            name = f"{self.joint_names[k]}/stiffness"
+            schema[name] = Tunable(
+                "Nm/rad",
+                0.0,
+                max(_LARGEST_STIFFNESS, stiffness),
+                "stiffness of the joint",
+                parameter=f"{_STIFFNESS.name}[{k}]",
             )
-            values[f"{name}/stiffness"] = stiffness
+            values[name] = stiffness
         self.tunables = Tunables(schema, values, apply=self._apply)
 
     @override

@@ -223,6 +223,7 @@ def _closed_loop_adapter(
     pids = JointPidGroup(
         joints,
         PidGains.of_joints(params, names),
+        places=PidGains.places(params, names),
         error=JointQuantity.POSITION,
         command=_PID_COMMANDS[type(interface)],
         commands=tracking.memory.commands,

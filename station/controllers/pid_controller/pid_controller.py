@@ -4,7 +4,7 @@ Source: ros2_controllers@4.x pid_controller/src/pid_controller.cpp, pid_controll
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, nan, sqrt
 from typing import ClassVar
 
@@ -291,8 +291,10 @@ class PidController(JointReferenceController):
             wraps = _WRAPS.of(name).read_bool(params)
             self._errors.set_wrapping(k, CONTINUOUS if wraps else PLAIN, -inf, inf)
             for key, gain in zip(_TUNED, (_P, _I, _D, _FORWARD), strict=True):
-                value = gain.of(name).read_float(params)
-                schema[f"{name}/{key}"] = _TUNED[key].including(value)
+                declared = gain.of(name)
+                value = declared.read_float(params)
+                tunable = _TUNED[key].including(value)
+                schema[f"{name}/{key}"] = replace(tunable, parameter=declared.name)
                 values[f"{name}/{key}"] = value
         self._tracking = [_optional(_TRACKING.of(name), params, nan) for name in names]
         self._gain_names = list(names)

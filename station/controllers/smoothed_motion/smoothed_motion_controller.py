@@ -98,6 +98,7 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
             self._pids = JointPidGroup(
                 self.joints,
                 PidGains.of_joints(params, self.joint_names),
+                places=PidGains.places(params, self.joint_names),
                 error=JointQuantity.POSITION,
                 command=JointQuantity.EFFORT,
                 commands=self.memory.commands,

@@ -15,12 +15,16 @@ class Tunable:
         minimum: Smallest value allowed.
         maximum: Largest value allowed; also the end of a slider.
         description: One line for people.
+        parameter: Path of the parameter that gives its first value, below the
+            controller's namespace, e.g. `gains/joint1/p`; `stiffness[2]` is an element
+            of a list. Empty for the parameter of its own name, if there is one.
     """
 
     unit: str = ""
     minimum: float = 0.0
     maximum: float = 1e6
     description: str = ""
+    parameter: str = ""
 
     def including(self, value: float) -> "Tunable":
         """Return this description, with the range extended to a configured value."""
@@ -62,6 +66,7 @@ class Tunables:
     Attributes:
         schema: Unit and range by name.
         values: The values in force by name. A change replaces the mapping as a whole.
+        configured: The first values, by name.
         when_idle: Calls a function as soon as no update is under way: immediately,
             unless the controller is asynchronous.
 
@@ -80,6 +85,7 @@ class Tunables:
     ) -> None:
         self.schema: dict[str, Tunable] = dict(schema or {})
         self.values: dict[str, float] = dict(values or {})
+        self.configured = self.values
         # The set that waits for the end of an update.
         self._waiting: dict[str, float] | None = None
         if set(self.schema) != set(self.values):

@@ -160,21 +160,35 @@ class PidGains:
         Raises:
             ParameterError: A joint has no gains, or its gains are not allowed.
         """
-        return [
-            cls._of_joint(params, name, is_only=len(joints) == 1) for name in joints
-        ]
+        places = cls.places(params, joints)
+        return [cls.from_parameters(params.namespace(place)) for place in places]
 
-    @classmethod
-    def _of_joint(cls, params: Parameters, joint: str, *, is_only: bool) -> "PidGains":
-        places = [f"{joint}/pid", joint, f"gains/{joint}"]
-        for place in places + (["pid"] if is_only else []):
-            if params.has(f"{place}/p") or params.has(f"{place}/pid/p"):
-                return cls.from_parameters(params.namespace(place))
-        raise ParameterError(
-            f"Parameter '{params.resolve(f'{places[0]}/p')}' is missing.",
-            remedy=f"Give the gains of joint '{joint}' as '{places[0]}: {{p, i, d}}'.",
-            details={"parameter": params.resolve(f"{places[0]}/p")},
-        )
+    @staticmethod
+    def places(params: Parameters, joints: Sequence[str]) -> list[str]:
+        """Return the namespace of the gains of every joint, e.g. `gains/joint1`.
+
+        Args:
+            params: The controller's namespace.
+            joints: The joints, in the order of the result.
+
+        Raises:
+            ParameterError: A joint has no gains.
+        """
+        is_only = len(joints) == 1
+        return [_find_gains(params, name, is_only=is_only) for name in joints]
+
+
+def _find_gains(params: Parameters, joint: str, *, is_only: bool) -> str:
+    places = [f"{joint}/pid", joint, f"gains/{joint}"]
+    for place in places + (["pid"] if is_only else []):
+        for inner in (place, f"{place}/pid"):
+            if params.has(f"{inner}/p"):
+                return inner
+    raise ParameterError(
+        f"Parameter '{params.resolve(f'{places[0]}/p')}' is missing.",
+        remedy=f"Give the gains of joint '{joint}' as '{places[0]}: {{p, i, d}}'.",
+        details={"parameter": params.resolve(f"{places[0]}/p")},
+    )
 
 
 class PidGroup:

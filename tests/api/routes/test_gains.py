@@ -1,6 +1,7 @@
 """Gains: whole sets, ETags, refusals that change nothing."""
 
 import pytest
+import yaml
 
 from station.client import ApiError
 from tests.api.test_errors import problem_of
@@ -108,3 +109,25 @@ def test_gains_of_an_unknown_controller(spring):
     with pytest.raises(ApiError) as caught:
         spring.set_gains("nobody", {"k": 1.0}, "*")
     assert caught.value.status == 404
+
+
+@pytest.mark.usefixtures("spring")
+def test_the_configuration_has_the_tuned_gains_and_is_yaml(operator):
+    operator.patch(GAINS, json={"values": {"k": 3.0}})
+
+    answer = operator.get("/api/v1/controllers/spring/config.yaml")
+
+    assert answer.headers["content-type"].startswith("application/yaml")
+    assert yaml.safe_load(answer.text)["spring"] == {
+        "type": "test/Spring",
+        "joint": "j",
+        "k": 3.0,
+    }
+
+
+def test_a_client_downloads_the_configuration(spring, tmp_path):
+    file = spring.download_config("spring", tmp_path / "spring.yaml")
+
+    assert yaml.safe_load(file.read_text())["spring"]["k"] == 2.0
+    with pytest.raises(FileExistsError):
+        spring.download_config("spring", file)

@@ -32,12 +32,50 @@ def test_gains_are_set_together(run, station):
     "line",
     [
         *("set arm", "show arm j1/p=1", "set arm j1/p", "set arm j1/p=x", "set arm =1"),
+        *("export", "show arm --file x.yaml"),
         *("show", "save", "list arm", "undo arm", "diff", "load", "delete a b"),
     ],
 )
 def test_wrong_changes_are_wrong_usage(run, station, line):
     assert run(f"gains {line}").code == 2
     assert station.calls == []
+
+
+EXPORTED = "arm: {gains: {j1: {p: 500.0}}}\n"
+
+
+def test_the_configuration_is_printed_or_json(run):
+    assert run("gains export arm").out == EXPORTED
+    assert json.loads(run("gains export arm --json").out) == {"config": EXPORTED}
+
+
+def test_a_file_has_all_named_controllers_once(run, tmp_path):
+    file = tmp_path / "tuned.yaml"
+
+    outcome = run(f"gains export arm hand arm --file {file}")
+
+    assert file.read_text() == EXPORTED + EXPORTED.replace("arm", "hand")
+    assert outcome.out == f"Wrote {file}.\n"
+
+
+def test_the_file_before_is_kept(run, tmp_path):
+    file = tmp_path / "tuned.yaml"
+    file.write_text("# mine\n")
+
+    outcome = run(f"gains export arm --file {file}")
+
+    assert file.read_text() == EXPORTED
+    assert (tmp_path / "tuned.yaml~").read_text() == "# mine\n"
+    assert outcome.out.splitlines()[1] == f"The file before is {file}~."
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["tuned.yaml", "tuned.yaml~"]
+
+
+def test_a_file_that_cannot_be_written_costs_nothing(run, tmp_path):
+    outcome = run(f"gains export arm --file {tmp_path}/missing/tuned.yaml")
+
+    assert outcome.code == 2
+    assert "missing/tuned.yaml cannot be written: No such file" in outcome.err
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -84,4 +122,4 @@ def test_gains_takes_a_name_and_words(line, words):
 def test_an_unknown_action_gets_the_nearest(capsys):
     with pytest.raises(SystemExit):
         parse(["gains", "sav", "x"])
-    assert "Did you mean 'save'?" in capsys.readouterr().err
+    assert "Did you mean 'save'" in capsys.readouterr().err
