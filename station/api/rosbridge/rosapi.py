@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from station.api.auth import Role
 from station.api.rosbridge.broker import ClientTopic, Offer
 from station.api.rosbridge.ros_types import (
-    interfaces,
+    INTERFACES,
     split_style,
     time_of,
     type_definitions,
@@ -99,7 +99,7 @@ class Rosapi:
             "service_node": lambda q: {"node": "".join(self._providers(q["service"]))},
             "service_providers": lambda q: {"providers": self._providers(q["service"])},
             "action_servers": lambda _: {"action_servers": list(there.actions)},
-            "interfaces": lambda _: {"interfaces": interfaces()},
+            "interfaces": lambda _: {"interfaces": INTERFACES},
             "nodes": lambda _: {"nodes": _NODES},
             "node_details": self._node_details,
             "get_param_names": lambda _: {"names": [f"/{n}" for n in self._names()]},
