@@ -21,15 +21,15 @@ from station.api.rosbridge.ros_types import filled
 from station.api.rosbridge.topics import (
     StationTopics,
     Topic,
-    arm_namespace,
-    gripper_namespace,
+    arms_of,
+    grippers_of,
     loaded_controllers,
     seconds_of,
 )
 from station.api.tool_port import ToolClient
 from station.core.errors import InvalidCommandError, StationError
 from station.core.facade.station import Station
-from station.core.franka import FrankaServices, GraspRequest, GripperServices
+from station.core.franka import GraspRequest
 from station.core.franka.gripper_services import DEFAULT_SPEED, GripperState
 from station.core.franka.grippers import Grippers
 from station.core.ports.goal import Goal, GoalStatus
@@ -49,6 +49,13 @@ MOST_GOALS = 32
 _TRAJECTORY = "control_msgs/FollowJointTrajectory"
 _SEQUENCE = "control_msgs/ExecuteMotionPrimitiveSequence"
 _GRIPPER = "control_msgs/GripperCommand"
+_GRIPPER_ACTIONS = {
+    "homing": "franka_msgs/Homing",
+    "stop": "franka_msgs/Stop",
+    "move": "franka_msgs/Move",
+    "grasp": "franka_msgs/Grasp",
+    "gripper_action": _GRIPPER,
+}
 REJECTED = 5
 """actionlib's status number of a refused goal."""
 _INVALID_GOAL = -1
@@ -177,18 +184,13 @@ class StationActions:
             for action, kind in actions.items():
                 begin = partial(self._begin_goal, name, kind)
                 yield Action(f"/{name}/{action}", kind, begin)
-        for arm_id in self._station.robots.names(GripperServices):
-            space = gripper_namespace(self._station, arm_id)
-            for name in ("homing", "stop", "move", "grasp"):
+        for arm_id, space in grippers_of(self._station):
+            for name, kind in _GRIPPER_ACTIONS.items():
                 begin = partial(self._begin_gripper, arm_id, name)
-                yield Action(f"{space}/{name}", f"franka_msgs/{name.title()}", begin)
-            begin = partial(self._begin_gripper, arm_id, "gripper_action")
-            yield Action(f"{space}/gripper_action", _GRIPPER, begin)
-        for arm_id in self._station.robots.names(FrankaServices):
-            name = f"{arm_namespace(self._station, arm_id)}/error_recovery"
-            yield Action(
-                name, "franka_msgs/ErrorRecovery", partial(self._recover, arm_id)
-            )
+                yield Action(f"{space}/{name}", kind, begin)
+        for arm_id, space in arms_of(self._station):
+            begin = partial(self._recover, arm_id)
+            yield Action(f"{space}/error_recovery", "franka_msgs/ErrorRecovery", begin)
 
     def topics_of(self, action: Action) -> Iterator[Topic]:
         """Yield the actionlib topics of an action."""

@@ -159,11 +159,9 @@ class StationTopics:
     def frame(self) -> CycleFrame | None:
         """Return the newest cycle; None before the first one."""
         snapshot = self._station.snapshots.latest()
-        return (
-            None
-            if snapshot is None
-            else CycleFrame(snapshot, self._stamp(snapshot.stamp))
-        )
+        if snapshot is None:
+            return None
+        return CycleFrame(snapshot, self._stamp(snapshot.stamp))
 
     def now(self) -> int:
         """Return the present time of the station [ns since 1970]."""
@@ -199,10 +197,11 @@ class StationTopics:
                 period=1.0 / camera.rate,
                 in_pause=True,
             )
-        for arm_id in self._station.robots.names(GripperServices):
-            topic = f"{gripper_namespace(self._station, arm_id)}/joint_states"
+        for arm_id, space in grippers_of(self._station):
             read = _Fingers(self._station, arm_id).read
-            yield Topic(topic, _JOINT_STATE, read, period=FINGER_PERIOD)
+            yield Topic(
+                f"{space}/joint_states", _JOINT_STATE, read, period=FINGER_PERIOD
+            )
         for name, type_name, controller in loaded_controllers(self._station):
             yield from self._of_controller(name, type_name, controller)
 
@@ -415,16 +414,19 @@ def _text(text: str, _: CycleFrame) -> Values:
     return {"data": text}
 
 
-def arm_namespace(station: Station, arm_id: str) -> str:
-    """Return the namespace of an arm's services; a single arm has franka_control's."""
-    alone = len(station.robots.names(FrankaServices)) == 1
-    return "/franka_control" if alone else f"/{arm_id}"
+def arms_of(station: Station) -> Iterator[tuple[str, str]]:
+    """Yield the arms, and the namespace of each; a single arm has franka_control's."""
+    names = station.robots.names(FrankaServices)
+    for arm_id in names:
+        yield arm_id, "/franka_control" if len(names) == 1 else f"/{arm_id}"
 
 
-def gripper_namespace(station: Station, arm_id: str) -> str:
-    """Return the namespace of a gripper's topics and actions."""
-    alone = len(station.robots.names(GripperServices)) == 1
-    return "/franka_gripper" if alone else f"/{arm_id}/franka_gripper"
+def grippers_of(station: Station) -> Iterator[tuple[str, str]]:
+    """Yield the arms with a gripper, and the namespace of each gripper."""
+    names = station.robots.names(GripperServices)
+    for arm_id in names:
+        alone = len(names) == 1
+        yield arm_id, "/franka_gripper" if alone else f"/{arm_id}/franka_gripper"
 
 
 def seconds_of(found: Mapping[str, int]) -> float:

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import time
 
 import pytest
@@ -183,6 +184,13 @@ def test_a_goal_that_nobody_takes_has_no_error_code_of_success(client):
     found = client.until("publish")["msg"]
     assert (found["status"]["status"], found["result"]["error_code"]) == (5, -1)
     assert "running" in found["result"]["error_string"]
+
+
+def test_a_time_before_the_start_of_the_station_is_refused_by_its_field(client):
+    client.switch(start=["arm"])
+    found = client.call("/arm/query_state", {"time": {"secs": 5, "nsecs": 0}})
+    assert found["result"] is False
+    assert re.match(r"'args/time' is \d+\.\d+ s before the start", found["values"])
 
 
 def test_a_number_that_json_does_not_have_is_refused_by_its_field(client):
