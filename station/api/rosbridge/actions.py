@@ -17,6 +17,7 @@ from typing import NamedTuple
 import anyio
 import anyio.to_thread
 
+from station.api.rosbridge.broker import Answer
 from station.api.rosbridge.ros_types import filled
 from station.api.rosbridge.topics import (
     StationTopics,
@@ -132,7 +133,7 @@ class TrackedGoal:
 
     action: Action
     goal_id: Values
-    told: Callable[[Progress], None] = lambda _: None
+    told: Callable[[Answer], None] = lambda _: None
     code: int = 0
     text: str = ""
     running: Running | None = None
@@ -227,7 +228,7 @@ class StationActions:
         client: ToolClient,
         goal: Values,
         goal_id: Values,
-        told: Callable[[Progress], None] = lambda _: None,
+        told: Callable[[Answer], None] = lambda _: None,
     ) -> None:
         """Begin a goal and follow it to its end.
 
@@ -297,7 +298,8 @@ class StationActions:
             if has_feedback:
                 self._send(tracked, "feedback", values)
             if has_feedback or status in ROS2:
-                tracked.told(progress._replace(values=values))
+                op = f"action_{part.lower()}"
+                tracked.told(Answer(op, values, ROS2.get(status, 0), result=True))
             await asyncio.sleep(FEEDBACK_PERIOD)
 
     def _filled(

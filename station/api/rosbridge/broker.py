@@ -15,7 +15,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from station.api.rosbridge.outbox import Outbox
 from station.api.rosbridge.ros_types import RosTypeError, checked, in_style, split_style
@@ -37,22 +37,13 @@ _ASKED = {
     "services": ("call_service", "service", "Request"),
     "actions": ("send_action_goal", "action", "Goal"),
 }
-_ANSWERED = {
+ANSWERED = {
     "service_response": "Response",
     "action_feedback": "Feedback",
     "action_result": "Result",
 }
 ABORTED = 6
 """ROS 2's status number of an aborted goal."""
-
-
-class Member(Protocol):
-    """A client that offers topics, services or actions."""
-
-    outbox: Outbox
-
-    def tell(self, text: str) -> None:
-        """Warn the client."""
 
 
 @dataclass(slots=True)
@@ -65,8 +56,8 @@ class ClientTopic(Topic):
         latched: Message that a new subscriber gets at once; None without one.
     """
 
-    publishers: set[Member] = field(default_factory=set)
-    subscribers: set[Member] = field(default_factory=set)
+    publishers: set[Outbox] = field(default_factory=set)
+    subscribers: set[Outbox] = field(default_factory=set)
     latched: Values | None = None
 
 
@@ -85,7 +76,7 @@ class Offer(NamedTuple):
     what: str
     name: str
     type: str
-    member: Member
+    member: Outbox
     written: str
     is_ros2: bool
 
@@ -108,7 +99,7 @@ class Answer(NamedTuple):
 
 class _Pending(NamedTuple):
     offer: Offer
-    asker: Member
+    asker: Outbox
     told: Callable[[Answer], None]
 
 
@@ -120,16 +111,14 @@ class Broker:
 
     Attributes:
         topics: The topics of clients by name.
-        services: The services of clients by name.
-        actions: The actions of clients by name.
+        offers: The `services` and the `actions` of clients, each by name.
         parameters: The parameters of clients, which the station does not use.
         reserved: First parts of names that belong to the station.
     """
 
     def __init__(self, publish: Callable[[str, str, Values], None]) -> None:
         self.topics: dict[str, ClientTopic] = {}
-        self.services: dict[str, Offer] = {}
-        self.actions: dict[str, Offer] = {}
+        self.offers: dict[str, dict[str, Offer]] = {"services": {}, "actions": {}}
         self.parameters = ParameterServer(
             Parameters(), threading.Lock(), lambda _: False
         )
@@ -144,12 +133,13 @@ class Broker:
         for name in [n for n in self.topics if self.is_reserved(n)]:
             topic = self.topics.pop(name)
             for member in topic.publishers | topic.subscribers:
-                member.outbox.subscriptions.pop(name, None)
-                member.tell(f"'{name}' is a name of the station now.")
-        for offers in (self.services, self.actions):
-            for name in [n for n in offers if self.is_reserved(n)]:
-                offers[name].member.tell(f"'{name}' is a name of the station now.")
-                self._withdraw(offers[name])
+                member.subscriptions.pop(name, None)
+                member.tell("warning", f"'{name}' is a name of the station now.")
+        for offer in self._offers():
+            if self.is_reserved(offer.name):
+                told = f"'{offer.name}' is a name of the station now."
+                offer.member.tell("warning", told)
+                self._withdraw(offer)
 
     def is_reserved(self, name: str) -> bool:
         """Return whether a name belongs to the station."""
@@ -174,7 +164,7 @@ class Broker:
         self.topics[name] = topic
         return topic
 
-    def advertise(self, topic: ClientTopic, member: Member) -> None:
+    def advertise(self, topic: ClientTopic, member: Outbox) -> None:
         """Note that a client publishes to a topic.
 
         Raises:
@@ -190,7 +180,7 @@ class Broker:
     def leave_topic(
         self,
         name: str,
-        member: Member,
+        member: Outbox,
         *,
         publishes: bool = False,
         subscribes: bool = False,
@@ -206,7 +196,7 @@ class Broker:
         if not topic.publishers and not topic.subscribers:
             del self.topics[name]
 
-    def offer(self, what: str, written: str, type_name: str, member: Member) -> Offer:
+    def offer(self, what: str, written: str, type_name: str, member: Outbox) -> Offer:
         """Note a client's service or action; return the offer.
 
         Args:
@@ -221,30 +211,30 @@ class Broker:
         """
         name = f"/{written.strip('/')}"
         kind, is_ros2 = self._checked_name(name, type_name)
-        offers: dict[str, Offer] = getattr(self, what)
-        known = offers.get(name)
+        known = self.offers[what].get(name)
         if known is not None and known.member is not member:
             raise RosTypeError(f"Another client offers the {what[:-1]} '{name}'.")
         self._check_number(member)
-        offers[name] = Offer(what, name, kind, member, written, is_ros2)
-        return offers[name]
+        made = Offer(what, name, kind, member, written, is_ros2)
+        self.offers[what][name] = made
+        return made
 
-    def take_back(self, what: str, name: str, member: Member) -> None:
+    def take_back(self, what: str, name: str, member: Outbox) -> None:
         """End an offer of a client.
 
         Raises:
             RosTypeError: The client does not offer this.
         """
-        found: Offer | None = getattr(self, what).get(f"/{name.strip('/')}")
+        found = self.offers[what].get(f"/{name.strip('/')}")
         if found is None or found.member is not member:
             raise RosTypeError(f"You do not offer the {what[:-1]} '{name:.80}'.")
         self._withdraw(found)
 
-    def leave(self, member: Member) -> None:
+    def leave(self, member: Outbox) -> None:
         """End all offers and requests of a client that leaves."""
         for name in list(self.topics):
             self.leave_topic(name, member, publishes=True, subscribes=True)
-        for offer in (*self.services.values(), *self.actions.values()):
+        for offer in self._offers():
             if offer.member is member:
                 self._withdraw(offer)
         for number, one in self._pending.items():
@@ -255,7 +245,7 @@ class Broker:
         self,
         offer: Offer,
         args: object,
-        asker: Member,
+        asker: Outbox,
         told: Callable[[Answer], None],
     ) -> str:
         """Pass a request or a goal to the offering client; return its number.
@@ -281,7 +271,7 @@ class Broker:
         message: Values = {"op": op, key: offer.written, "args": values}
         if key == "action":
             message.update({"action_type": offer.type, "feedback": True})
-        offer.member.outbox.answer(message, number)
+        offer.member.answer(message, number)
         return number
 
     async def cancel(self, number: str) -> None:
@@ -289,13 +279,13 @@ class Broker:
         pending = self._pending.get(number)
         if pending is not None:
             message = {"op": "cancel_action_goal", "action": pending.offer.written}
-            pending.offer.member.outbox.answer(message, number)
+            pending.offer.member.answer(message, number)
 
     def forget(self, number: str) -> None:
         """Stop waiting for an answer."""
         self._pending.pop(number, None)
 
-    def hear(self, message: Mapping[str, Any], member: Member) -> None:
+    def hear(self, message: Mapping[str, Any], member: Outbox) -> None:
         """Pass on the answer of a client to a request or a goal.
 
         Raises:
@@ -315,7 +305,7 @@ class Broker:
         status = message.get("status")
         answer = Answer(op, values, status if isinstance(status, int) else ABORTED)
         if is_result:
-            kind = f"{pending.offer.type}{_ANSWERED[op]}"
+            kind = f"{pending.offer.type}{ANSWERED[op]}"
             try:
                 answer = answer._replace(
                     values=checked(kind, values, "values"), result=True
@@ -326,8 +316,11 @@ class Broker:
                 raise
         pending.told(answer)
 
+    def _offers(self) -> list[Offer]:
+        return [one for known in self.offers.values() for one in known.values()]
+
     def _withdraw(self, offer: Offer) -> None:
-        del getattr(self, offer.what)[offer.name]
+        del self.offers[offer.what][offer.name]
         for number, one in list(self._pending.items()):
             if one.offer is offer:
                 del self._pending[number]
@@ -352,9 +345,8 @@ class Broker:
             )
         return split_style(type_name)
 
-    def _check_number(self, member: Member) -> None:
-        offers = (*self.services.values(), *self.actions.values())
-        number = sum(one.member is member for one in offers)
+    def _check_number(self, member: Outbox) -> None:
+        number = sum(one.member is member for one in self._offers())
         number += sum(member in one.publishers for one in self.topics.values())
         if number >= MOST_OFFERS:
             raise RosTypeError(

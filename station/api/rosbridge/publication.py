@@ -19,8 +19,8 @@ from websockets.frames import Frame, Opcode
 from station.api.rosbridge.ros_types import fields_of, in_style, serialized
 from station.records.cdr import Field, Values
 
-_TEXT, _BINARY = ("none", "png"), ("cbor", "cbor-raw")
-COMPRESSIONS = (*_TEXT, *_BINARY)
+TEXT_COMPRESSIONS = ("none", "png")
+COMPRESSIONS = (*TEXT_COMPRESSIONS, "cbor", "cbor-raw")
 # RFC 8746: tag and `struct` code of arrays of numbers in little-endian order.
 _TYPED_ARRAYS = {"float64": (86, "d"), "int32": (78, "i"), "uint32": (70, "I")}
 _PIXEL = 3
@@ -75,7 +75,7 @@ class Publication:
     def _make(self, form: Form) -> bytes:
         message = in_style(self._type, self._message, ros2=form.is_ros2)
         envelope = {"op": "publish", "topic": form.topic or self.topic}
-        if form.compression not in _BINARY:
+        if form.compression in TEXT_COMPRESSIONS:
             return text_frames({**envelope, "msg": message}, form)
         if form.compression == "cbor":
             content = _packed(self._type, message)

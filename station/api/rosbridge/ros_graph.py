@@ -54,9 +54,9 @@ class RosGraph:
         self.broker = Broker(publish)
         self.topics: ChainMap[str, Topic] = ChainMap({}, self.broker.topics)  # type: ignore[arg-type]  # read alone
         self.services: ChainMap[str, RosService | Offer] = ChainMap({})
-        self.services.maps.append(self.broker.services)  # type: ignore[arg-type]  # read alone
+        self.services.maps.append(self.broker.offers["services"])  # type: ignore[arg-type]  # read alone
         self.actions: ChainMap[str, Action | Offer] = ChainMap({})
-        self.actions.maps.append(self.broker.actions)  # type: ignore[arg-type]  # read alone
+        self.actions.maps.append(self.broker.offers["actions"])  # type: ignore[arg-type]  # read alone
         self.clock = StationTopics(station, urdf, texts, log, cameras)
         self.goals = StationActions(station, self.clock, publish)
         self._services = StationServices(station, self.clock)

@@ -51,7 +51,7 @@ class RosService:
             lease allows.
         is_quick: Whether `call` returns at once, so that it needs no thread.
         is_free: Function that returns whether a given request leaves the station
-            unchanged; None if every request changes it.
+            unchanged.
     """
 
     name: str
@@ -59,7 +59,7 @@ class RosService:
     call: Call
     changes: bool = False
     is_quick: bool = False
-    is_free: Callable[[ToolClient, Values], bool] | None = None
+    is_free: Callable[[ToolClient, Values], bool] = lambda _, __: False
 
 
 class StationServices:

@@ -12,7 +12,7 @@ import json
 import logging
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -21,10 +21,22 @@ import anyio.to_thread
 import orjson
 
 from station.api.auth import Access, Role
-from station.api.rosbridge.actions import ROS2, Action, Progress
-from station.api.rosbridge.broker import PATIENCE, Answer, ClientTopic, Offer
+from station.api.json_route import DoubleNameError, check_names
+from station.api.rosbridge.actions import Action
+from station.api.rosbridge.broker import (
+    ANSWERED,
+    PATIENCE,
+    Answer,
+    ClientTopic,
+    Offer,
+)
 from station.api.rosbridge.outbox import LEVELS, Outbox, Subscription
-from station.api.rosbridge.publication import COMPRESSIONS, Form, Publication
+from station.api.rosbridge.publication import (
+    COMPRESSIONS,
+    TEXT_COMPRESSIONS,
+    Form,
+    Publication,
+)
 from station.api.rosbridge.ros_graph import RosGraph, path_of
 from station.api.rosbridge.ros_types import (
     RosTypeError,
@@ -71,14 +83,25 @@ class Message(dict[str, Any]):
         data: JSON text.
 
     Raises:
-        RosTypeError: The text is no JSON object.
+        RosTypeError: The text is no JSON object, or names a field twice.
     """
 
     def __init__(self, data: str | bytes) -> None:
+        text = data.encode() if isinstance(data, str) else data
         try:
-            found = orjson.loads(data)
-        except ValueError as error:
-            found = _with_nan(data, error)
+            found = _read(text)
+            # Refuse what cannot be passed on, such as half a character.
+            written = orjson.dumps(found)
+            # orjson keeps the last of two values of a key, so that fewer colons are
+            # written. Python's parser finds the key, but takes ten times longer.
+            if text.count(b":") != written.count(b":"):
+                check_names(text)
+        except DoubleNameError as error:
+            raise RosTypeError(
+                f"The message {error}.", remedy="Give each key once."
+            ) from error
+        except (ValueError, TypeError) as error:
+            raise RosTypeError(f"The message is not JSON: {error}.") from error
         if not isinstance(found, dict):
             raise RosTypeError("The message is not a JSON object.")
         super().__init__(found)
@@ -149,61 +172,58 @@ class RosbridgeSession:
                 await self._take(message.get("bytes") or b"" if text is None else text)
         finally:
             self._port.listen(None)
-            self._graph.broker.leave(self)
+            self._graph.broker.leave(self.outbox)
             for call in self._calls:
                 call.cancel()
 
     async def _take(self, data: str | bytes) -> None:
-        """Carry out a message, or report its fault to the client.
+        """Carry out a message, or report its fault to the client."""
+        with self._told(None):
+            message = Message(data)
+            with self._told(message.get("id")):
+                await self._begin(message)
+
+    async def _begin(self, message: Message) -> None:
+        """Carry out a message, or start a task for it if it may take long.
 
         Raises:
-            RosTypeError: Never raised; the client gets a status.
+            RosTypeError: There is no such operation, or too many are under way.
         """
-        found: list[object] = [None]
-        with self._told(found):
-            message = Message(data)
-            found[0] = message.get("id")
-            op = str(message["op"])
-            if op not in self._operations:
-                raise RosTypeError(f"There is no operation '{op:.40}'.")
-            if op not in _LONG:
-                await self._operations[op](message)
-                return
-            if len(self._calls) >= MOST_CALLS:
-                raise RosTypeError(f"'{op}' has to wait: {MOST_CALLS} are under way.")
-            task = asyncio.create_task(self._operations[op](message))
-            self._calls.add(task)
-            task.add_done_callback(self._calls.discard)
+        op = str(message["op"])
+        if op not in self._operations:
+            raise RosTypeError(f"There is no operation '{op:.40}'.")
+        if op not in _LONG:
+            await self._operations[op](message)
+            return
+        if len(self._calls) >= MOST_CALLS:
+            raise RosTypeError(f"'{op}' has to wait: {MOST_CALLS} are under way.")
+        task = asyncio.create_task(self._operations[op](message))
+        self._calls.add(task)
+        task.add_done_callback(self._calls.discard)
 
     @contextmanager
     def _told(
-        self, identifier: list[object], answer: Callable[[str], None] | None = None
+        self, identifier: object, answer: Callable[[str], None] = lambda _: None
     ) -> Iterator[None]:
         """Report a refusal in the body of a `with` to the client.
 
         Args:
-            identifier: List for the identifier of the message, filled when it is known.
+            identifier: Identifier of the client's message; None without one.
             answer: Function that also sends the reason as the answer for which the
                 client waits.
         """
         try:
             yield
+            return
         except StationError as error:
             why = _reason(error)
         except RecursionError:
             why = "The message is nested too deeply."
         except Exception as error:  # noqa: BLE001 - a fault of the station, not of the client
             why = report_fault(error)
-        else:
-            return
-        one = identifier[0]
-        self.outbox.tell("error", why, one if isinstance(one, str | int) else None)
-        if answer is not None:
-            answer(why)
-
-    def tell(self, text: str) -> None:
-        """Warn the client."""
-        self.outbox.tell("warning", text)
+        is_named = isinstance(identifier, str | int)
+        self.outbox.tell("error", why, identifier if is_named else None)
+        answer(why)
 
     def _topic(self, message: Message, *, opens: bool = False) -> Topic:
         """Return a topic; a message with a type may open a new topic of clients.
@@ -229,7 +249,8 @@ class RosbridgeSession:
             # A client that comes before the publisher is usually right, and roslibpy
             # logs a status as a fault, so warn only if a similar topic exists.
             if message["op"] == "subscribe" and near:
-                self.tell(f"Nobody publishes '{name}' yet. {error.remedy}".strip())
+                told = f"Nobody publishes '{name}' yet. {error.remedy}"
+                self.outbox.tell("warning", told.strip())
         return found
 
     async def _ignore(self, message: Message) -> None:
@@ -260,7 +281,7 @@ class RosbridgeSession:
                 remedy=f"They can publish to {', '.join(known) or 'nothing'}.",
             )
         if isinstance(topic, ClientTopic):
-            self._graph.broker.advertise(topic, self)
+            self._graph.broker.advertise(topic, self.outbox)
         return topic
 
     async def _publish(self, message: Message) -> None:
@@ -273,19 +294,19 @@ class RosbridgeSession:
 
     async def _unadvertise(self, message: Message) -> None:
         name = path_of(message["topic"])
-        self._graph.broker.leave_topic(name, self, publishes=True)
+        self._graph.broker.leave_topic(name, self.outbox, publishes=True)
 
     async def _offer(self, kind: str, message: Message) -> None:
         """Offer a service or an action to the other clients."""
         name, type_name = str(message[kind]), str(message.get("type"))
-        found = self._graph.broker.offer(f"{kind}s", name, type_name, self)
+        found = self._graph.broker.offer(f"{kind}s", name, type_name, self.outbox)
         self._client.record(f"offer of {found.name}", "done", is_done=True, free=1)
 
     async def _take_back(self, kind: str, message: Message) -> None:
-        self._graph.broker.take_back(f"{kind}s", str(message[kind]), self)
+        self._graph.broker.take_back(f"{kind}s", str(message[kind]), self.outbox)
 
     async def _hear(self, message: Message) -> None:
-        self._graph.broker.hear(message, self)
+        self._graph.broker.hear(message, self.outbox)
 
     async def _run(self, function: Any, is_quick: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
         """Call a function with values of the client; in a thread unless it is quick."""
@@ -348,13 +369,13 @@ class RosbridgeSession:
             )
         topic = self._topic(message, opens=True)
         if form.compression == "cbor-raw" and not fields_of(topic.type):
-            self._graph.broker.leave_topic(name, self)
+            self._graph.broker.leave_topic(name, self.outbox)
             raise RosTypeError(
                 f"The station does not know {topic.type}, so it has no bytes for it.",
                 remedy="Use the compression cbor.",
             )
         if isinstance(topic, ClientTopic):
-            topic.subscribers.add(self)
+            topic.subscribers.add(self.outbox)
         one.wishes.pop(identifier, None)
         one.wishes[identifier] = (throttle, length, form)
         one.settle()
@@ -375,7 +396,7 @@ class RosbridgeSession:
         one.wishes.pop(str(identifier), None)
         if identifier is None or not one.wishes:
             del self.outbox.subscriptions[topic]
-            self._graph.broker.leave_topic(topic, self, subscribes=True)
+            self._graph.broker.leave_topic(topic, self.outbox, subscribes=True)
         else:
             one.settle()
 
@@ -388,8 +409,8 @@ class RosbridgeSession:
             head = {"op": "service_response", "service": name, "result": result}
             self.outbox.answer({**head, "values": values}, identifier, form)
 
-        with self._told([identifier], answer):
-            form = _form_of(message, message.get("type"), COMPRESSIONS[:2])
+        with self._told(identifier, answer):
+            form = _form_of(message, message.get("type"), TEXT_COMPRESSIONS)
             service: RosService | Offer = self._graph.find("services", name)
             args = message.get("args")
             if isinstance(service, Offer):
@@ -435,13 +456,12 @@ class RosbridgeSession:
         """
         kind, response = f"{service.type}Request", f"{service.type}Response"
         request = checked(kind, _named(service.type, args), "args")
-        is_free = service.is_free is not None and service.is_free(self._client, request)
-        if is_free or not service.changes:
-            found = await self._run(service.call, service.is_quick, request)
-            return filled(response, _SUCCEEDED | dict(found or {}), 0)
-        self._client.check(f"call {service.name}")
+        what = f"call {service.name}"
+        changes = service.changes and not service.is_free(self._client, request)
+        if changes:
+            self._client.check(what)
         try:
-            with self._recorded(f"call {service.name}"):
+            with self._recorded(what, changes=changes):
                 found = await self._run(service.call, service.is_quick, request)
         except RosTypeError:
             raise
@@ -451,56 +471,44 @@ class RosbridgeSession:
             why = _reason(error)
             self.outbox.tell("error", why)
             found = {"ok": False, "success": False, "error": why, "message": why}
-        return filled(response, _SUCCEEDED | dict(found or {}), 0)
+        return filled(response, _SUCCEEDED | dict(found or {}))
 
     async def _send_goal(self, message: Message) -> None:
         """Send a goal in the way of ROS 2; its feedback and its result follow."""
         name, identifier = str(message.get("action")), message.get("id")
-        form = Form()
-
-        def answer(op: str, values: object, **more: object) -> None:
-            head = {"op": op, "action": name, "values": values}
-            self.outbox.answer({**head, **more}, identifier, form)
-
-        def refuse(why: str) -> None:
-            self._goals.pop(str(identifier), None)
-            answer("action_result", why, status=0, result=False)
-
-        def told(progress: Progress) -> None:
-            hear(_answer_of(progress))
+        goal_id, form = str(identifier), Form()
 
         def hear(found: Answer) -> None:
-            part = "Result" if found.op == "action_result" else "Feedback"
-            values = found.values
+            part, values = ANSWERED[found.op], found.values
             if found.result:
                 values = in_style(f"{action.type}{part}", values, ros2=form.is_ros2)
+            answer = {"op": found.op, "action": name, "values": values}
             if part == "Result":
-                self._goals.pop(str(identifier), None)
-                answer(found.op, values, status=found.status, result=found.result)
-            elif message.get("feedback"):
-                answer(found.op, values)
+                self._goals.pop(goal_id, None)
+                answer |= {"status": found.status, "result": found.result}
+            elif not message.get("feedback"):
+                return
+            self.outbox.answer(answer, identifier, form)
 
-        with self._told([identifier], refuse):
+        with self._told(identifier, lambda why: hear(Answer("action_result", why))):
             # The operation belongs to ROS 2, but the type may have the style of ROS 1.
             kind = message.get("action_type")
-            form = _form_of(message, kind or "/action/", COMPRESSIONS[:2])
+            form = _form_of(message, kind or "/action/", TEXT_COMPRESSIONS)
             action: Action | Offer = self._graph.find("actions", name, str(kind or ""))
             broker, args = self._graph.broker, message.get("args")
             if isinstance(action, Offer):
-                number = broker.ask(action, args, self, hear)
-                self._goals[str(identifier)] = partial(broker.cancel, number)
+                number = broker.ask(action, args, self.outbox, hear)
+                self._goals[goal_id] = partial(broker.cancel, number)
                 return
             goal = checked(f"{action.type}Goal", args, "args")
-            goal_id = checked("actionlib_msgs/GoalID", {"id": str(identifier)})
-            self._goals[str(identifier)] = partial(
-                self._cancel_own, action, str(identifier)
-            )
+            stamped = checked("actionlib_msgs/GoalID", {"id": goal_id})
+            self._goals[goal_id] = partial(self._cancel_own, action, goal_id)
             with self._recorded(f"goal of {name}", changes=action.changes):
-                await self._graph.goals.start(action, self._client, goal, goal_id, told)
+                await self._graph.goals.start(action, self._client, goal, stamped, hear)
 
     async def _cancel_goal(self, message: Message) -> None:
         identifier = message.get("id")
-        with self._told([identifier]):
+        with self._told(identifier):
             cancel = self._goals.get(str(identifier))
             if cancel is None:
                 raise RosTypeError(f"There is no goal '{identifier!s:.80}'.")
@@ -516,8 +524,8 @@ class RosbridgeSession:
         Raises:
             RosTypeError: The message has too many parts.
         """
-        name, total = str(message["id"]), _number(message, "total", MOST_FRAGMENTS)
-        number = _number(message, "num", max(total - 1, 0))
+        name, total = str(message["id"]), _number(message, "total", MOST_FRAGMENTS, 1)
+        number = _number(message, "num", total - 1)
         parts = self._fragments.setdefault(name, {})
         parts[number] = str(message["data"])
         size = sum(len(p) for found in self._fragments.values() for p in found.values())
@@ -566,13 +574,6 @@ class RosbridgeSession:
 _SUCCEEDED: Values = {"ok": True, "success": True}
 
 
-def _answer_of(progress: Progress) -> Answer:
-    """Return the message that reports a goal in ROS 2."""
-    op = "action_result" if progress.status in ROS2 else "action_feedback"
-    status = ROS2.get(progress.status, 0)
-    return Answer(op, dict(progress.values), status, result=True)
-
-
 def _named(type_name: str, args: object) -> object:
     """Return arguments by name; the protocol may also list them in order."""
     if not isinstance(args, list):
@@ -606,35 +607,29 @@ def _form_of(
     return Form(compression, split_style(str(type_name or ""))[1], size)
 
 
-def _with_nan(data: str | bytes, fault: ValueError) -> object:
-    """Return a message that has NaN or Infinity, as Python's clients write them.
+def _read(text: bytes) -> object:
+    """Parse JSON, which may have NaN and Infinity, as Python writes them.
 
-    JSON does not have them, but a field that may not have them is refused by its name.
-
-    Args:
-        data: The text.
-        fault: Why it is no JSON.
+    A field that may not have them is refused by its name.
 
     Raises:
-        RosTypeError: The text is no JSON in other places, too.
+        ValueError: The text is no JSON in other places, too.
     """
-    text = data if isinstance(data, str) else data.decode(errors="replace")
-    if "NaN" in text or "Infinity" in text:
-        with suppress(ValueError, TypeError):
-            found: object = json.loads(text)
-            # What cannot be written again, such as half a character, is no JSON.
-            orjson.dumps(found)
-            return found
-    raise RosTypeError(f"The message is not JSON: {fault}.") from fault
+    try:
+        return orjson.loads(text)
+    except ValueError:
+        if b"NaN" in text or b"Infinity" in text:
+            return json.loads(text)
+        raise
 
 
-def _number(message: Message, key: str, most: int) -> int:
+def _number(message: Message, key: str, most: int, least: int = 0) -> int:
     """Return a whole number of a message; 0 without one.
 
     Raises:
         RosTypeError: The value is not a number, or out of range.
     """
     value = message.get(key) or 0
-    if not isinstance(value, int | float) or not 0 <= value <= most:
-        raise RosTypeError(f"'{key}' is {value!r:.40}; allowed are 0 to {most}.")
+    if not isinstance(value, int | float) or not least <= value <= most:
+        raise RosTypeError(f"'{key}' is {value!r:.40}; allowed are {least} to {most}.")
     return int(value)

@@ -255,6 +255,9 @@ REFUSED = {
     "no op": ({"topic": "/x"}, "no field 'op'"),
     "no topic": ({"op": "subscribe"}, "no field 'topic'"),
     "unknown level": ({"op": "set_level", "level": "loud"}, "none, error, warning"),
+    "no parts": (
+        {"op": "fragment", "num": 0, "total": 0, "data": ""}, "'total' is 0"
+    ),
     "unknown goal": ({"op": "cancel_action_goal", "id": "nine"}, "nine"),
     "not authentic": (
         {"op": "auth", "mac": "0", "client": "c", "dest": "d", "rand": "r", "t": 0,
@@ -277,6 +280,19 @@ def test_what_is_wrong_is_named_in_a_status(client, case):
     assert status["level"] == "error"
     assert named in status["msg"]
     assert status["id"] == message.get("id", "m")
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ('{"op": "dance", "op": "subscribe", "topic": "/tf"}', "op"),
+        ('{"op": "publish", "msg": {"data": [1], "data": [2]}}', "data"),
+        ('{"op": "publish", "msg": {"data": NaN, "data": ":"}}', "data"),
+    ],
+)
+def test_a_key_that_comes_twice_is_refused(client, text, key):
+    client.socket.send(text)
+    assert f"has the key '{key}' twice" in client.until("status")["msg"]
 
 
 def test_a_wrong_request_of_a_service_is_named(client):
