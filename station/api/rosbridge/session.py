@@ -11,7 +11,7 @@ import inspect
 import json
 import logging
 import time
-from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import partial
@@ -49,7 +49,7 @@ from station.api.rosbridge.ros_types import (
 from station.api.rosbridge.services import RosService
 from station.api.rosbridge.topics import LATCHED, Topic
 from station.api.streams.broadcaster import PORT
-from station.api.tool_port import ToolClient, report_fault
+from station.api.tool_port import ToolClient, reason_of, report_fault
 from station.core.errors import StationError
 from station.records.cdr import Values
 
@@ -113,6 +113,8 @@ class Message(dict[str, Any]):
 class RosbridgeSession:
     """Serves one client, in the event loop of the API.
 
+    The method `do_OP` carries out the operation OP of the protocol.
+
     Args:
         client: The client, with its rights.
         graph: Topics, services and actions for the client.
@@ -131,27 +133,6 @@ class RosbridgeSession:
         self._calls: set[asyncio.Task[None]] = set()
         self._goals: dict[str, Callable[[], Awaitable[None]]] = {}
         self._proofs: set[str] = set()
-        self._operations: dict[str, Callable[[Message], Coroutine[Any, Any, None]]] = {
-            "advertise": self._advertise,
-            "unadvertise": self._unadvertise,
-            "publish": self._publish,
-            "subscribe": self._subscribe,
-            "unsubscribe": self._unsubscribe,
-            "call_service": self._call,
-            "send_action_goal": self._send_goal,
-            "cancel_action_goal": self._cancel_goal,
-            "advertise_service": partial(self._offer, "service"),
-            "unadvertise_service": partial(self._take_back, "service"),
-            "service_response": self._hear,
-            "advertise_action": partial(self._offer, "action"),
-            "unadvertise_action": partial(self._take_back, "action"),
-            "action_feedback": self._hear,
-            "action_result": self._hear,
-            "fragment": self._defragment,
-            "set_level": self._set_level,
-            "auth": self._authenticate,
-            "status": self._ignore,
-        }
 
     async def greet(self) -> None:
         """Prepare the connection; the client sends the first message."""
@@ -190,14 +171,15 @@ class RosbridgeSession:
             RosTypeError: There is no such operation, or too many are under way.
         """
         op = str(message["op"])
-        if op not in self._operations:
+        carry_out = getattr(self, f"do_{op}", None)
+        if carry_out is None:
             raise RosTypeError(f"There is no operation '{op:.40}'.")
         if op not in _LONG:
-            await self._operations[op](message)
+            await carry_out(message)
             return
         if len(self._calls) >= MOST_CALLS:
             raise RosTypeError(f"'{op}' has to wait: {MOST_CALLS} are under way.")
-        task = asyncio.create_task(self._operations[op](message))
+        task = asyncio.create_task(carry_out(message))
         self._calls.add(task)
         task.add_done_callback(self._calls.discard)
 
@@ -214,13 +196,14 @@ class RosbridgeSession:
         """
         try:
             yield
-            return
         except StationError as error:
-            why = _reason(error)
+            why = reason_of(error)
         except RecursionError:
             why = "The message is nested too deeply."
         except Exception as error:  # noqa: BLE001 - a fault of the station, not of the client
             why = report_fault(error)
+        else:
+            return
         is_named = isinstance(identifier, str | int)
         self.outbox.tell("error", why, identifier if is_named else None)
         answer(why)
@@ -253,10 +236,16 @@ class RosbridgeSession:
                 self.outbox.tell("warning", told.strip())
         return found
 
-    async def _ignore(self, message: Message) -> None:
+    async def do_status(self, message: Message) -> None:
+        """Note a status of the client in the log."""
         _log.debug("a client of rosbridge says: %.200s", message)
 
-    async def _set_level(self, message: Message) -> None:
+    async def do_set_level(self, message: Message) -> None:
+        """Choose the level of the statuses that the client gets.
+
+        Raises:
+            RosTypeError: There is no such level.
+        """
         if message["level"] not in LEVELS:
             raise RosTypeError(
                 f"There is no level '{message['level']!s:.40}'.",
@@ -264,7 +253,8 @@ class RosbridgeSession:
             )
         self.outbox.level = message["level"]
 
-    async def _advertise(self, message: Message) -> None:
+    async def do_advertise(self, message: Message) -> None:
+        """Publish to a topic from now on."""
         self._writable(message)
 
     def _writable(self, message: Message) -> Topic:
@@ -284,29 +274,41 @@ class RosbridgeSession:
             self._graph.broker.advertise(topic, self.outbox)
         return topic
 
-    async def _publish(self, message: Message) -> None:
+    async def do_publish(self, message: Message) -> None:
+        """Pass a message to its topic."""
         topic = self._writable(message)
         values = checked(topic.type, message.get("msg"))
         if isinstance(topic, ClientTopic):
             topic.latched = values if message.get("latch") else topic.latched
-        with self._recorded(f"publish {topic.name}", changes=topic.changes, free=1):
+        with self._client.changing(
+            f"publish {topic.name}", changes=topic.changes, free=1
+        ):
             await self._run(topic.write, topic.is_quick, values)
 
-    async def _unadvertise(self, message: Message) -> None:
+    async def do_unadvertise(self, message: Message) -> None:
+        """End the publication to a topic."""
         name = path_of(message["topic"])
         self._graph.broker.leave_topic(name, self.outbox, publishes=True)
 
-    async def _offer(self, kind: str, message: Message) -> None:
+    async def do_advertise_service(self, message: Message) -> None:
         """Offer a service or an action to the other clients."""
+        kind = message["op"].rpartition("_")[2]
         name, type_name = str(message[kind]), str(message.get("type"))
         found = self._graph.broker.offer(f"{kind}s", name, type_name, self.outbox)
         self._client.record(f"offer of {found.name}", "done", is_done=True, free=1)
 
-    async def _take_back(self, kind: str, message: Message) -> None:
+    async def do_unadvertise_service(self, message: Message) -> None:
+        """Withdraw a service or an action."""
+        kind = message["op"].rpartition("_")[2]
         self._graph.broker.take_back(f"{kind}s", str(message[kind]), self.outbox)
 
-    async def _hear(self, message: Message) -> None:
+    async def do_service_response(self, message: Message) -> None:
+        """Pass on the answer to a call or a goal of another client."""
         self._graph.broker.hear(message, self.outbox)
+
+    do_advertise_action = do_advertise_service
+    do_unadvertise_action = do_unadvertise_service
+    do_action_feedback = do_action_result = do_service_response
 
     async def _run(self, function: Any, is_quick: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
         """Call a function with values of the client; in a thread unless it is quick."""
@@ -318,34 +320,7 @@ class RosbridgeSession:
         found = function(self._client, values)
         return await found if inspect.isawaitable(found) else found
 
-    @contextmanager
-    def _recorded(
-        self, what: str, *, changes: bool = True, free: int = 10
-    ) -> Iterator[None]:
-        """Check that the client may make a change, and record its end.
-
-        Args:
-            what: The change.
-            changes: Whether it changes the station; otherwise this does nothing.
-            free: Number of such events that are recorded singly; later ones are
-                counted.
-
-        Raises:
-            StationError: The client may not make changes, or the body of the `with` was
-                refused.
-        """
-        if not changes:
-            yield
-            return
-        self._client.check(what)
-        try:
-            yield
-        except StationError as error:
-            self._client.record(what, f"refused: {error.code}", is_done=False)
-            raise
-        self._client.record(what, "done", is_done=True, free=free)
-
-    async def _subscribe(self, message: Message) -> None:
+    async def do_subscribe(self, message: Message) -> None:
         """Subscribe to a topic.
 
         Raises:
@@ -354,7 +329,6 @@ class RosbridgeSession:
         """
         name, identifier = path_of(message["topic"]), str(message.get("id"))
         form = _form_of(message, message.get("type"), COMPRESSIONS)
-        form = form._replace(topic=str(message["topic"]))
         throttle = _number(message, "throttle_rate", 3_600_000) / 1e3
         length = _number(message, "queue_length", MOST_QUEUED)
         found = self.outbox.subscriptions
@@ -381,14 +355,14 @@ class RosbridgeSession:
         one.settle()
         found[name] = one
         frame = self._graph.clock.frame()
-        values = None
         if topic.period == LATCHED and topic.read and frame is not None:
             values = topic.read(frame)
-        if values is not None and frame is not None:
-            latched = Publication(topic.name, topic.type, values, frame.stamp)
-            self.outbox.offer(latched, asyncio.get_running_loop().time())
+            if values is not None:
+                latched = Publication(topic.name, topic.type, values, frame.stamp)
+                self.outbox.offer(latched, asyncio.get_running_loop().time())
 
-    async def _unsubscribe(self, message: Message) -> None:
+    async def do_unsubscribe(self, message: Message) -> None:
+        """End a subscription to a topic, or all of them."""
         topic, identifier = path_of(message["topic"]), message.get("id")
         one = self.outbox.subscriptions.get(topic)
         if one is None:
@@ -400,7 +374,7 @@ class RosbridgeSession:
         else:
             one.settle()
 
-    async def _call(self, message: Message) -> None:
+    async def do_call_service(self, message: Message) -> None:
         """Call a service and answer with its response."""
         name, identifier = str(message.get("service")), message.get("id")
         form = Form()
@@ -461,19 +435,19 @@ class RosbridgeSession:
         if changes:
             self._client.check(what)
         try:
-            with self._recorded(what, changes=changes):
+            with self._client.changing(what, changes=changes):
                 found = await self._run(service.call, service.is_quick, request)
         except RosTypeError:
             raise
         except StationError as error:
             if not _SUCCEEDED.keys() & fields_of(response).keys():
                 raise
-            why = _reason(error)
+            why = reason_of(error)
             self.outbox.tell("error", why)
             found = {"ok": False, "success": False, "error": why, "message": why}
         return filled(response, _SUCCEEDED | dict(found or {}))
 
-    async def _send_goal(self, message: Message) -> None:
+    async def do_send_action_goal(self, message: Message) -> None:
         """Send a goal in the way of ROS 2; its feedback and its result follow."""
         name, identifier = str(message.get("action")), message.get("id")
         goal_id, form = str(identifier), Form()
@@ -503,10 +477,15 @@ class RosbridgeSession:
             goal = checked(f"{action.type}Goal", args, "args")
             stamped = checked("actionlib_msgs/GoalID", {"id": goal_id})
             self._goals[goal_id] = partial(self._cancel_own, action, goal_id)
-            with self._recorded(f"goal of {name}", changes=action.changes):
+            with self._client.changing(f"goal of {name}", changes=action.changes):
                 await self._graph.goals.start(action, self._client, goal, stamped, hear)
 
-    async def _cancel_goal(self, message: Message) -> None:
+    async def do_cancel_action_goal(self, message: Message) -> None:
+        """Cancel a goal that the client has sent.
+
+        Raises:
+            RosTypeError: Never raised; the client gets a status.
+        """
         identifier = message.get("id")
         with self._told(identifier):
             cancel = self._goals.get(str(identifier))
@@ -515,10 +494,10 @@ class RosbridgeSession:
             await cancel()
 
     async def _cancel_own(self, action: Action, identifier: str) -> None:
-        with self._recorded(f"cancel of {action.name}", changes=action.changes):
+        with self._client.changing(f"cancel of {action.name}", changes=action.changes):
             await self._graph.goals.cancel(action, identifier)
 
-    async def _defragment(self, message: Message) -> None:
+    async def do_fragment(self, message: Message) -> None:
         """Collect the parts of a message.
 
         Raises:
@@ -536,7 +515,7 @@ class RosbridgeSession:
             del self._fragments[name]
             await self._take("".join(parts[k] for k in range(total)))
 
-    async def _authenticate(self, message: Message) -> None:
+    async def do_auth(self, message: Message) -> None:
         """Give the client the rights of the token with which a MAC was made.
 
         Source: GT-RAIL/rosauth, ros_mac_authentication.cpp: SHA-512 over the secret
@@ -583,10 +562,6 @@ def _named(type_name: str, args: object) -> object:
     return args[0] if is_whole else dict(zip(fields, args, strict=False))
 
 
-def _reason(error: StationError) -> str:
-    return f"{error.message} {error.remedy}".strip()
-
-
 def _form_of(
     message: Message, type_name: object, compressions: tuple[str, ...]
 ) -> Form:
@@ -604,7 +579,8 @@ def _form_of(
     size = _number(message, "fragment_size", 2**31)
     # A frame has about 100 characters around its part of the message.
     size = max(size, 100) if size else 0
-    return Form(compression, split_style(str(type_name or ""))[1], size)
+    is_ros2 = split_style(str(type_name or ""))[1]
+    return Form(compression, is_ros2, size, str(message.get("topic") or ""))
 
 
 def _read(text: bytes) -> object:
