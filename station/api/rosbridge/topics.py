@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from station.api.cameras import Cameras
 from station.api.rosbridge.ros_types import filled, time_of
+from station.api.services import Services
 from station.api.tool_port import ToolClient
 from station.core.control.controller import ControllerBase, ControllerSample
 from station.core.description.urdf import JointType, Urdf
@@ -24,7 +24,7 @@ from station.core.franka import (
 from station.core.franka.grippers import Grippers
 from station.core.loop.snapshot import Snapshot
 from station.core.ports.set_point import SetPointPort
-from station.events import EventLog, Severity
+from station.events import Severity
 from station.records.cdr import Values
 from station.records.messages import transforms
 
@@ -130,11 +130,9 @@ class StationTopics:
     """Provides the topics of a station. Use it in one event loop only.
 
     Args:
-        station: The station.
+        services: The services of the API.
         urdf: The robot, for transforms; None sends no transforms.
         texts: Text by topic, such as `/robot_description`.
-        log: The event log.
-        cameras: The station's cameras.
 
     Attributes:
         origin: Wall time of station time zero [ns since 1970].
@@ -142,19 +140,17 @@ class StationTopics:
 
     def __init__(
         self,
-        station: Station,
+        services: Services,
         urdf: Urdf | None,
         texts: Mapping[str, str],
-        log: EventLog,
-        cameras: Cameras,
     ) -> None:
-        self._station = station
-        self._cameras = cameras
+        self._station = services.station
+        self._cameras = services.cameras
+        self._log = services.event_recorder.log
+        self._logged = self._log.newest_id
         self._urdf = urdf
         self._texts = dict(texts)
-        self._log = log
-        self._logged = log.newest_id
-        self.origin = time.time_ns() - round(station.loop.time * 1e9)
+        self.origin = time.time_ns() - round(self._station.loop.time * 1e9)
 
     def frame(self) -> CycleFrame | None:
         """Return the newest cycle; None before the first one."""
@@ -265,10 +261,13 @@ class StationTopics:
         state = frame.snapshot._asdict() | {"name": self._station.joint_names}
         return filled(_JOINT_STATE, state, frame.stamp)
 
-    def _tf(self, urdf: Urdf, frame: CycleFrame) -> Values:
+    def positions(self, frame: CycleFrame) -> dict[str, float]:
+        """Return the position of every joint in a cycle [rad or m]."""
         names = self._station.joint_names
-        positions = dict(zip(names, frame.snapshot.position, strict=True))
-        return transforms(urdf, positions, frame.stamp)
+        return dict(zip(names, frame.snapshot.position, strict=True))
+
+    def _tf(self, urdf: Urdf, frame: CycleFrame) -> Values:
+        return transforms(urdf, self.positions(frame), frame.stamp)
 
     @staticmethod
     def _split(urdf: Urdf) -> tuple[Urdf, Urdf]:
