@@ -9,7 +9,7 @@ reach its aim is aborted; it does not succeed with `success` false.
 """
 
 import asyncio
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple
@@ -205,22 +205,19 @@ class StationActions:
         for name in ("feedback", "result"):
             kind = f"{action.type}Action{name.capitalize()}"
             yield Topic(f"{action.name}/{name}", kind)
-        yield Topic(
-            f"{action.name}/goal",
-            f"{action.type}ActionGoal",
-            write=lambda client, message: self.start(
-                action, client, message["goal"], message["goal_id"]
-            ),
-            is_quick=True,
-            changes=action.changes,
-        )
-        yield Topic(
-            f"{action.name}/cancel",
-            "actionlib_msgs/GoalID",
-            write=lambda _, message: self.cancel(action, message["id"]),
-            is_quick=True,
-            changes=action.changes,
-        )
+
+        def start(client: ToolClient, message: Values) -> Awaitable[None]:
+            return self.start(action, client, message["goal"], message["goal_id"])
+
+        def cancel(_: ToolClient, message: Values) -> Awaitable[None]:
+            return self.cancel(action, message["id"])
+
+        for name, kind, write in (
+            ("goal", f"{action.type}ActionGoal", start),
+            ("cancel", "actionlib_msgs/GoalID", cancel),
+        ):
+            topic = f"{action.name}/{name}"
+            yield Topic(topic, kind, write=write, changes=action.changes)
 
     async def start(
         self,
@@ -256,11 +253,10 @@ class StationActions:
             )
         except StationError as error:
             tracked.code, tracked.text = REJECTED, error.message
-            # These are the names in the results of all actions; each action uses its
-            # own.
-            values: Values = {"error_string": error.message, "error": error.message}
-            values["error_code"] = error.details.get("error_code", _INVALID_GOAL)
-            self._end(tracked, self._filled(action, "Result", values))
+            tracked.ended = asyncio.get_running_loop().time()
+            self._send(
+                tracked, "result", self._filled(tracked, "Result", _failure(error))
+            )
             raise
         tracked.task = asyncio.create_task(self._follow(tracked, tracked.running))
 
@@ -278,38 +274,34 @@ class StationActions:
             await anyio.to_thread.run_sync(running.cancel, limiter=self.threads)
 
     async def _follow(self, tracked: TrackedGoal, running: Running) -> None:
-        status = GoalStatus.ACTIVE
-        while status in {GoalStatus.PENDING, GoalStatus.ACTIVE}:
+        while tracked.ended is None:
             try:
                 progress = await anyio.to_thread.run_sync(
                     running.poll, limiter=self.threads
                 )
             except StationError as error:
-                values = {"error_string": error.message, "error_code": _INVALID_GOAL}
+                values = _failure(error)
                 progress = Progress(GoalStatus.ABORTED, values, error.message)
-            status, tracked.text = progress.status, progress.text
-            tracked.code = ACTIONLIB[status]
-            part = "Result" if status in ROS2 else "Feedback"
-            values = self._filled(tracked.action, part, progress.values)
-            if status in ROS2:
-                self._end(tracked, values)
-            # A goal that the control thread has not yet taken has no feedback.
-            has_feedback = status is GoalStatus.ACTIVE and bool(progress.values)
-            if has_feedback:
-                self._send(tracked, "feedback", values)
-            if has_feedback or status in ROS2:
-                op = f"action_{part.lower()}"
-                tracked.told(Answer(op, values, ROS2.get(status, 0), result=True))
+            self._report(tracked, progress)
             await asyncio.sleep(FEEDBACK_PERIOD)
 
-    def _filled(
-        self, action: Action, part: str, values: Mapping[str, object]
-    ) -> Values:
-        return filled(f"{action.type}{part}", values, self._clock.now())
+    def _report(self, tracked: TrackedGoal, progress: Progress) -> None:
+        """Send the feedback or the result of a goal to those who follow it."""
+        status, part = progress.status, "Feedback"
+        tracked.code, tracked.text = ACTIONLIB[status], progress.text
+        if status in ROS2:
+            part, tracked.ended = "Result", asyncio.get_running_loop().time()
+        elif status is GoalStatus.PENDING or not progress.values:
+            return  # the control thread has not yet taken the goal
+        values = self._filled(tracked, part, progress.values)
+        self._send(tracked, part.lower(), values)
+        op = f"action_{part.lower()}"
+        tracked.told(Answer(op, values, ROS2.get(status, 0), result=True))
 
-    def _end(self, tracked: TrackedGoal, values: Values) -> None:
-        tracked.ended = asyncio.get_running_loop().time()
-        self._send(tracked, "result", values)
+    def _filled(
+        self, tracked: TrackedGoal, part: str, values: Mapping[str, object]
+    ) -> Values:
+        return filled(f"{tracked.action.type}{part}", values, self._clock.now())
 
     def _send(self, tracked: TrackedGoal, name: str, values: Values) -> None:
         """Publish an actionlib message of a goal."""
@@ -358,10 +350,8 @@ class StationActions:
         elif name == "move":
             state = grippers.move(arm_id, goal["width"], goal["speed"])
         elif name == "grasp":
-            inner, outer = goal["epsilon"]["inner"], goal["epsilon"]["outer"]
-            wanted = GraspRequest(
-                goal["width"], goal["force"], goal["speed"], inner, outer
-            )
+            within = goal["epsilon"]["inner"], goal["epsilon"]["outer"]
+            wanted = GraspRequest(goal["width"], goal["force"], goal["speed"], *within)
             state = grippers.grasp(arm_id, wanted)
         else:
             state = self._begin_gripper_action(arm_id, goal["command"])
@@ -382,6 +372,12 @@ class StationActions:
     def _recover(self, arm_id: str, _: ToolClient, __: Values) -> Running:
         self._station.robots.recover(arm_id)
         return _done({})
+
+
+def _failure(error: StationError) -> Values:
+    """Return the result of a goal that failed, with the names of all actions."""
+    code = error.details.get("error_code", _INVALID_GOAL)
+    return {"error_string": error.message, "error": error.message, "error_code": code}
 
 
 def _progress(goal: Goal) -> Progress:

@@ -157,9 +157,7 @@ class Broker:
         def write(_: object, values: Values) -> None:
             self._publish(name, kind, values)
 
-        topic = ClientTopic(
-            name, kind, write=write, period=LATCHED, is_quick=True, changes=False
-        )
+        topic = ClientTopic(name, kind, write=write, period=LATCHED, changes=False)
         topic.read = lambda _: topic.latched
         self.topics[name] = topic
         return topic

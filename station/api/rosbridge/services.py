@@ -49,7 +49,7 @@ class RosService:
             thread. It returns the response without the fields that tell the success.
         changes: Whether it changes the station, so that it needs an operator whom the
             lease allows.
-        is_quick: Whether `call` returns at once, so that it needs no thread.
+        blocks: Whether `call` may block, so that it needs a thread.
         is_free: Function that returns whether a given request leaves the station
             unchanged.
     """
@@ -58,7 +58,7 @@ class RosService:
     type: str
     call: Call
     changes: bool = False
-    is_quick: bool = False
+    blocks: bool = True
     is_free: Callable[[ToolClient, Values], bool] = lambda _, __: False
 
 
@@ -77,7 +77,7 @@ class StationServices:
     def all(self) -> Iterator[RosService]:
         """Yield the present services, besides those of rosapi."""
         yield from self._of_manager()
-        yield RosService("/stop", _TRIGGER, self._stop, is_quick=True)
+        yield RosService("/stop", _TRIGGER, self._stop, blocks=False)
         for name, arm in (("release", False), ("arm", True)):
             call: Call = partial(self._release, arm)
             yield RosService(f"/stop/{name}", _TRIGGER, call, changes=True)

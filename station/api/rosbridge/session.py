@@ -283,7 +283,7 @@ class RosbridgeSession:
         with self._client.changing(
             f"publish {topic.name}", changes=topic.changes, free=1
         ):
-            await self._run(topic.write, topic.is_quick, values)
+            await self._run(topic.write, topic.blocks, values)
 
     async def do_unadvertise(self, message: Message) -> None:
         """End the publication to a topic."""
@@ -310,9 +310,9 @@ class RosbridgeSession:
     do_unadvertise_action = do_unadvertise_service
     do_action_feedback = do_action_result = do_service_response
 
-    async def _run(self, function: Any, is_quick: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
-        """Call a function with values of the client; in a thread unless it is quick."""
-        if not is_quick:
+    async def _run(self, function: Any, blocks: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
+        """Call a function with values of the client; in a thread if it may block."""
+        if blocks:
             threads = self._graph.goals.threads
             return await anyio.to_thread.run_sync(
                 function, self._client, values, limiter=threads
@@ -436,7 +436,7 @@ class RosbridgeSession:
             self._client.check(what)
         try:
             with self._client.changing(what, changes=changes):
-                found = await self._run(service.call, service.is_quick, request)
+                found = await self._run(service.call, service.blocks, request)
         except RosTypeError:
             raise
         except StationError as error:

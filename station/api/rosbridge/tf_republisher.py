@@ -53,7 +53,7 @@ class TfRepublisher:
             "/republish_tfs",
             "tf2_web_republisher/RepublishTFs",
             self._republish,
-            is_quick=True,
+            blocks=False,
         )
 
     def topics(self) -> Iterator[Topic]:

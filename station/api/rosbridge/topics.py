@@ -4,16 +4,22 @@ import asyncio
 import re
 import time
 from collections.abc import Awaitable, Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
 from station.api.rosbridge.ros_types import filled, time_of
 from station.api.services import Services
+from station.api.streams.topics import (
+    ControllerStateTopic,
+    CycleTopic,
+    JointStatesTopic,
+)
 from station.api.tool_port import ToolClient
-from station.core.control.controller import ControllerBase, ControllerSample
+from station.core.control.controller import ControllerBase
 from station.core.description.urdf import JointType, Urdf
-from station.core.errors import StationError
+from station.core.errors import ControllerNotFoundError, StationError
 from station.core.facade.station import Station
 from station.core.franka import (
     FrankaServices,
@@ -109,8 +115,8 @@ class Topic:
             clients may not publish.
         period: Time between two messages [s]; 0 for every tick, or `LATCHED`.
         in_pause: Whether it is published while station time stands still.
-        is_quick: Whether `write` returns at once, so that it needs no thread; it may
-            then return an awaitable.
+        blocks: Whether `write` may block, so that it needs a thread; otherwise it may
+            return an awaitable.
         changes: Whether a message of a client changes the station.
         due: When the next message is due [s, clock of the event loop].
     """
@@ -121,7 +127,7 @@ class Topic:
     write: Write | None = None
     period: float = 0.0
     in_pause: bool = False
-    is_quick: bool = False
+    blocks: bool = False
     changes: bool = True
     due: float = field(default=0.0, compare=False)
 
@@ -168,7 +174,9 @@ class StationTopics:
 
     def all(self) -> Iterator[Topic]:
         """Yield the present topics, besides those of actions."""
-        yield Topic("/joint_states", _JOINT_STATE, self._joint_states)
+        joints = JointStatesTopic(self._station)
+        read: Read = partial(self._streamed, joints, _JOINT_STATE)
+        yield Topic("/joint_states", _JOINT_STATE, read)
         for name, text in self._texts.items():
             yield Topic(name, "std_msgs/String", partial(_text, text), period=LATCHED)
         if self._urdf is not None:
@@ -199,7 +207,8 @@ class StationTopics:
                 f"{space}/joint_states", _JOINT_STATE, read, period=FINGER_PERIOD
             )
         for name, type_name, controller in loaded_controllers(self._station):
-            yield from self._of_controller(name, type_name, controller)
+            with suppress(ControllerNotFoundError):  # unloaded meanwhile
+                yield from self._of_controller(name, type_name, controller)
 
     def _of_controller(
         self, name: str, type_name: str, controller: ControllerBase
@@ -214,18 +223,17 @@ class StationTopics:
                 f"/{name}/command",
                 "trajectory_msgs/JointTrajectory",
                 write=partial(self._follow, name),
+                blocks=True,
             )
         elif len(controller.joint_names) == 1 and "p" in {
             key.rpartition("/")[2] for key in controller.tunables.values
         }:
             yield self._published(name, "state", "control_msgs/JointControllerState")
         elif controller.joint_names:
-            yield Topic(
-                f"/{name}/state",
-                "control_station_msgs/ControllerState",
-                partial(self._sample, name),
-                period=STATE_PERIOD,
-            )
+            state = "control_station_msgs/ControllerState"
+            values = ControllerStateTopic(self._station, name)
+            read = partial(self._streamed, values, state)
+            yield Topic(f"/{name}/state", state, read, period=STATE_PERIOD)
         for topic, message in controller.published().items():
             found = _PUBLISHED.get(topic) or _kind_of(message)
             if found is not None:
@@ -257,9 +265,13 @@ class StationTopics:
             message = {**message, "robot_mode": mode}
         return filled(kind, message, self._stamp(seconds))
 
-    def _joint_states(self, frame: CycleFrame) -> Values:
-        state = frame.snapshot._asdict() | {"name": self._station.joint_names}
-        return filled(_JOINT_STATE, state, frame.stamp)
+    @staticmethod
+    def _streamed(stream: CycleTopic, kind: str, frame: CycleFrame) -> Values | None:
+        """Return the values that the API streams of a cycle, as a message."""
+        sample = stream.sample(frame.snapshot)
+        if sample is None:
+            return None
+        return filled(kind, {**sample, "name": stream.names()}, frame.stamp)
 
     def positions(self, frame: CycleFrame) -> dict[str, float]:
         """Return the position of every joint in a cycle [rad or m]."""
@@ -308,17 +320,6 @@ class StationTopics:
             round(event.time * 1e9),
         )
 
-    def _sample(self, name: str, frame: CycleFrame) -> Values | None:
-        sample: ControllerSample | None = frame.snapshot.samples.get(name)
-        try:
-            names = self._station.manager.get_controller(name).joint_names
-        except StationError:
-            return None
-        if sample is None:
-            return None
-        found = sample._asdict() | {"name": list(names)}
-        return filled("control_station_msgs/ControllerState", found, frame.stamp)
-
     def _set_point_topic(self, name: str, kind: str, port: SetPointPort) -> Topic:
         names = [element.name for element in port.elements]
         places = [_PLACES[one] for one in names if one in _PLACES]
@@ -331,7 +332,7 @@ class StationTopics:
             found = "std_msgs/Float64"
         whole = places if len(places) == len(names) else None
         write = partial(self._command, name, whole)
-        return Topic(f"/{name}/{topic}", found, write=write, is_quick=True)
+        return Topic(f"/{name}/{topic}", found, write=write)
 
     def _command(
         self,
