@@ -293,24 +293,22 @@ class Broker:
         pending = self._pending.get(number)
         if pending is None or pending.offer.member is not member:
             raise RosTypeError(f"Nobody waits for '{number:.80}' of yours.")
-        values, is_result = message.get("values"), message.get("result") is not False
         if op != "action_feedback":
             del self._pending[number]
+        values, status = message.get("values"), message.get("status")
         # As in ROS 1, a response with a message counts as a success. `result` is
         # ignored, because roslibpy's servers set it to false.
-        if op == "service_response" and isinstance(values, Mapping):
-            is_result = True
-        status = message.get("status")
-        answer = Answer(op, values, status if isinstance(status, int) else ABORTED)
+        is_response = op == "service_response" and isinstance(values, Mapping)
+        is_result = is_response or message.get("result") is not False
+        code = status if isinstance(status, int) else ABORTED
+        answer = Answer(op, values, code, is_result)
         if is_result:
             kind = f"{pending.offer.type}{ANSWERED[op]}"
             try:
-                answer = answer._replace(
-                    values=checked(kind, values, "values"), result=True
-                )
+                answer = answer._replace(values=checked(kind, values, "values"))
             except RosTypeError as error:
                 failed = f"The answer was malformed: {error.message}"
-                pending.told(answer._replace(values=failed))
+                pending.told(answer._replace(values=failed, result=False))
                 raise
         pending.told(answer)
 

@@ -17,8 +17,7 @@ from collections.abc import Iterator, Mapping, ValuesView
 from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib.resources import files
-from math import isfinite
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeGuard
 
 from station.core.errors import StationError, suggest
 from station.records.cdr import (
@@ -32,16 +31,11 @@ from station.records.messages import header
 
 _SEPARATOR = "=" * 80 + "\n"
 _TIMES = dict.fromkeys(("time", "duration"), read_fields("int32 sec\nuint32 nanosec"))
-_RANGES = {
-    "int8": (-(2**7), 2**7 - 1),
-    "uint8": (0, 2**8 - 1),
-    "uint16": (0, 2**16 - 1),
-    "int32": (-(2**31), 2**31 - 1),
-    "uint32": (0, 2**32 - 1),
-    "int64": (-(2**63), 2**63 - 1),
-    "uint64": (0, 2**64 - 1),
-}
-_LARGEST = {"float32": 3.4e38, "float64": sys.float_info.max}
+_SIZES = (8, 16, 32, 64)
+_INTEGERS = {f"uint{n}": (0, 2**n - 1) for n in _SIZES}
+_INTEGERS |= {f"int{n}": (-(2 ** (n - 1)), 2 ** (n - 1) - 1) for n in _SIZES}
+_FLOATS = {"float32": 3.4e38, "float64": sys.float_info.max}
+_WORDS = {"string": (str, "a text"), "bool": (bool, "true or false")}
 _MOST_DEPTH = 30
 """Most nested levels of a message whose type only clients know."""
 _MIDDLES = {"msg", "srv", "action"}
@@ -218,34 +212,36 @@ def _checked_one(kind: str, value: object, where: str) -> object:
     """
     if kind in _TIMES:
         return _checked_time(kind, value, where)
-    if kind in _LARGEST:
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        # The comparison is false for NaN.
-        if not (is_number and abs(value) <= _LARGEST[kind]):  # type: ignore[arg-type]  # a number
-            _refuse(where, value, f"a number ({kind})")
-        return float(value)  # type: ignore[arg-type]  # a number
-    if kind == "string" or kind == "bool":
-        wanted = str if kind == "string" else bool
-        if not isinstance(value, wanted):
-            _refuse(where, value, "a text" if wanted is str else "true or false")
-        return value
-    if kind in _RANGES:
+    if kind in _INTEGERS:
         return _checked_integer(kind, value, where)
+    if kind in _FLOATS:
+        # The comparison is false for NaN.
+        if not (_is_number(value) and abs(value) <= _FLOATS[kind]):
+            _refuse(where, value, f"a number ({kind})")
+        return float(value)
+    if kind in _WORDS:
+        python, wanted = _WORDS[kind]
+        if not isinstance(value, python):
+            _refuse(where, value, wanted)
+        return value
     return checked(kind, value, where)
+
+
+def _is_number(value: object) -> TypeGuard[int | float]:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _checked_integer(kind: str, value: object, where: str) -> int:
     # Headers of roslibpy have the `seq` null.
     if value is None:
         return 0
-    low, high = _RANGES[kind]
-    if isinstance(value, float) and isfinite(value) and value == int(value):
-        value = int(value)
-    if isinstance(value, bool) or not isinstance(value, int):
+    low, high = _INTEGERS[kind]
+    # The remainder of what is not finite is not a number.
+    if not _is_number(value) or value % 1 != 0:
         _refuse(where, value, f"a whole number ({kind})")
     if not low <= value <= high:
         _refuse(where, value, f"{low} to {high} ({kind})")
-    return value
+    return int(value)
 
 
 def _checked_time(kind: str, value: object, where: str) -> Values:
@@ -264,7 +260,7 @@ def _checked_time(kind: str, value: object, where: str) -> Values:
         for ros1, ros2 in (("secs", "sec"), ("nsecs", "nanosec"))
     )
     found = time_of(seconds * 1_000_000_000 + rest)
-    least, most = 0 if kind == "time" else _RANGES["int32"][0], _RANGES["int32"][1]
+    least, most = 0 if kind == "time" else _INTEGERS["int32"][0], _INTEGERS["int32"][1]
     if not least <= found["sec"] <= most:
         _refuse(f"{where}/secs", seconds, f"{least} to {most}")
     return found

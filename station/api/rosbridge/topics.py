@@ -6,7 +6,8 @@ import time
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import partial, reduce
+from operator import getitem
 from typing import Any, NamedTuple
 
 from station.api.rosbridge.ros_types import filled, time_of
@@ -174,16 +175,20 @@ class StationTopics:
 
     def all(self) -> Iterator[Topic]:
         """Yield the present topics, besides those of actions."""
-        joints = JointStatesTopic(self._station)
-        read: Read = partial(self._streamed, joints, _JOINT_STATE)
+        states = JointStatesTopic(self._station)
+        read: Read = partial(self._streamed, states, _JOINT_STATE)
         yield Topic("/joint_states", _JOINT_STATE, read)
         for name, text in self._texts.items():
             yield Topic(name, "std_msgs/String", partial(_text, text), period=LATCHED)
         if self._urdf is not None:
-            fixed, moving = self._split(self._urdf)
-            kind = "tf2_msgs/TFMessage"
-            yield Topic("/tf", kind, partial(self._tf, moving))
-            yield Topic("/tf_static", kind, partial(self._tf, fixed), period=LATCHED)
+            joints = self._urdf.joints.items()
+            fixed = {n: one for n, one in joints if one.type is JointType.FIXED}
+            moving = {n: one for n, one in joints if n not in fixed}
+            for name, some, period in (
+                ("/tf", moving, 0.0), ("/tf_static", fixed, LATCHED)
+            ):  # fmt: skip
+                read = partial(self._tf, replace(self._urdf, joints=some))
+                yield Topic(name, "tf2_msgs/TFMessage", read, period=period)
         yield Topic("/rosout", "rosgraph_msgs/Log", self._log_line, in_pause=True)
         if self._station.simulation.find() is not None:
             yield Topic(
@@ -281,14 +286,6 @@ class StationTopics:
     def _tf(self, urdf: Urdf, frame: CycleFrame) -> Values:
         return transforms(urdf, self.positions(frame), frame.stamp)
 
-    @staticmethod
-    def _split(urdf: Urdf) -> tuple[Urdf, Urdf]:
-        """Return a robot with only its fixed joints, and one with all others."""
-        joints = urdf.joints.items()
-        fixed = {n: one for n, one in joints if one.type is JointType.FIXED}
-        moving = {n: one for n, one in joints if n not in fixed}
-        return replace(urdf, joints=fixed), replace(urdf, joints=moving)
-
     def _clock(self, frame: CycleFrame) -> Values | None:
         """Return station time while it is paused or differs in speed from wall time."""
         found = self._station.simulation.find()
@@ -321,17 +318,15 @@ class StationTopics:
         )
 
     def _set_point_topic(self, name: str, kind: str, port: SetPointPort) -> Topic:
-        names = [element.name for element in port.elements]
-        places = [_PLACES[one] for one in names if one in _PLACES]
+        places = [_PLACES.get(element.name, ()) for element in port.elements]
         topic, found = "command", "std_msgs/Float64MultiArray"
-        if len(places) == len(names):
+        if all(places):
             found = _POSE if len(places) == 7 else _TWIST
             topic = _POSE_TOPICS.get(kind, "command")
             topic = "cmd_vel" if len(places) == 2 else topic
         elif re.fullmatch(r"Joint(Position|Velocity|Effort)Controller", kind):
-            found = "std_msgs/Float64"
-        whole = places if len(places) == len(names) else None
-        write = partial(self._command, name, whole)
+            found, places = "std_msgs/Float64", [("data",)]
+        write = partial(self._command, name, places if all(places) else None)
         return Topic(f"/{name}/{topic}", found, write=write)
 
     def _command(
@@ -343,14 +338,19 @@ class StationTopics:
     ) -> None:
         """Send the set-point in a message to a controller.
 
+        Args:
+            name: The controller.
+            places: Path of each element in the message; None for all of `data`.
+            client: The client that sends the message.
+            message: The message.
+
         Raises:
             StationError: The station refuses it.
         """
         if places is None:
             values = message["data"]
-            values = values if isinstance(values, list) else [values]
         else:
-            values = [_at(message, place) for place in places]
+            values = [reduce(getitem, place, message) for place in places]
         with client.services.control.commanding(client.access, client.lease, name):
             self._station.motion.set_command(name, values)
 
@@ -432,12 +432,6 @@ def grippers_of(station: Station) -> Iterator[tuple[str, str]]:
 def seconds_of(found: Mapping[str, int]) -> float:
     """Return a time or a duration in seconds."""
     return found["sec"] + found["nanosec"] / 1e9
-
-
-def _at(message: Any, place: tuple[str, ...]) -> float:  # noqa: ANN401 - a message
-    for key in place:
-        message = message[key]
-    return float(message)
 
 
 def _kind_of(message: Mapping[str, object]) -> str | None:
