@@ -10,6 +10,7 @@ that another client already offers is refused; values of types that the station 
 know are passed on unchecked.
 """
 
+import asyncio
 import re
 import threading
 from collections.abc import Callable, Mapping
@@ -175,22 +176,19 @@ class Broker:
         finally:
             self.leave_topic(topic.name, member)
 
-    def leave_topic(
-        self,
-        name: str,
-        member: Outbox,
-        *,
-        publishes: bool = False,
-        subscribes: bool = False,
-    ) -> None:
-        """Note that a client no longer publishes or subscribes to a topic."""
+    def leave_topic(self, name: str, member: Outbox, *roles: str) -> None:
+        """Note that a client leaves a topic, which ends with the last one.
+
+        Args:
+            name: The topic; unknown ones are ignored.
+            member: The client.
+            roles: Roles that it gives up: `publishers`, `subscribers`.
+        """
         topic = self.topics.get(name)
         if topic is None:
             return
-        if publishes:
-            topic.publishers.discard(member)
-        if subscribes:
-            topic.subscribers.discard(member)
+        for role in roles:
+            getattr(topic, role).discard(member)
         if not topic.publishers and not topic.subscribers:
             del self.topics[name]
 
@@ -231,13 +229,40 @@ class Broker:
     def leave(self, member: Outbox) -> None:
         """End all offers and requests of a client that leaves."""
         for name in list(self.topics):
-            self.leave_topic(name, member, publishes=True, subscribes=True)
+            self.leave_topic(name, member, "publishers", "subscribers")
         for offer in self._offers():
             if offer.member is member:
                 self._withdraw(offer)
         for number, one in self._pending.items():
             if one.asker is member:
                 self._pending[number] = one._replace(told=lambda _: None)
+
+    async def call(self, offer: Offer, args: object, asker: Outbox) -> Values:
+        """Return the response of a client's service.
+
+        Raises:
+            RosTypeError: The request is malformed, or the client does not answer, or
+                its service failed.
+        """
+        answered: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
+
+        def told(answer: Answer) -> None:
+            if not answered.done():
+                answered.set_result(answer)
+
+        number = self.ask(offer, args, asker, told)
+        try:
+            answer = await asyncio.wait_for(answered, PATIENCE)
+        except TimeoutError as error:
+            raise RosTypeError(
+                f"'{offer.name}' has not answered within {PATIENCE:g} s."
+            ) from error
+        finally:
+            self._pending.pop(number, None)
+        if not answer.result:
+            raise RosTypeError(f"'{offer.name}' failed: {answer.values!s:.300}")
+        found: Values = answer.values
+        return found
 
     def ask(
         self,
@@ -278,10 +303,6 @@ class Broker:
         if pending is not None:
             message = {"op": "cancel_action_goal", "action": pending.offer.written}
             pending.offer.member.answer(message, number)
-
-    def forget(self, number: str) -> None:
-        """Stop waiting for an answer."""
-        self._pending.pop(number, None)
 
     def hear(self, message: Mapping[str, Any], member: Outbox) -> None:
         """Pass on the answer of a client to a request or a goal.

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import orjson
 from websockets.frames import Frame, Opcode
 
-from station.api.rosbridge.ros_types import fields_of, in_style, serialized
+from station.api.rosbridge.ros_types import Convert, changed, in_style, serialized
 from station.records.cdr import Field, Values
 
 TEXT_COMPRESSIONS = ("none", "png")
@@ -78,7 +78,7 @@ class Publication:
         if form.compression in TEXT_COMPRESSIONS:
             return text_frames({**envelope, "msg": message}, form)
         if form.compression == "cbor":
-            content = _packed(self._type, message)
+            content = changed(self._type, _packed, message)
         else:
             seconds, rest = divmod(self._stamp, 1_000_000_000)
             data = serialized(self._type, self._message, ros2=form.is_ros2)
@@ -145,23 +145,12 @@ class _Tagged(NamedTuple):
     data: bytes
 
 
-def _packed(type_name: str, message: Values) -> Values:
-    """Return a message in which each array of numbers is one piece of data."""
-    fields = fields_of(type_name)
-    if not fields:
-        return message
-    return {name: _packed_field(fields[name], one) for name, one in message.items()}
-
-
-def _packed_field(field: Field, value: Any) -> Any:  # noqa: ANN401 - as its field
-    if "/" in field.kind:
-        if field.length is None:
-            return _packed(field.kind, value)
-        return [_packed(field.kind, one) for one in value]
+def _packed(field: Field) -> Convert | None:
+    """Return the function that packs an array of numbers; None for other fields."""
     if field.length is None or field.kind not in _TYPED_ARRAYS:
-        return value
+        return None
     tag, code = _TYPED_ARRAYS[field.kind]
-    return _Tagged(tag, array(code, value).tobytes())
+    return lambda values: _Tagged(tag, array(code, values).tobytes())
 
 
 def cbor(value: Any) -> bytes:  # noqa: ANN401 - what JSON has, and bytes

@@ -13,9 +13,9 @@ import base64
 import binascii
 import struct
 import sys
-from collections.abc import Iterator, Mapping, ValuesView
+from collections.abc import Callable, Iterable, Mapping, ValuesView
 from dataclasses import fields, is_dataclass
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from typing import Any, NoReturn, TypeGuard
 
@@ -356,36 +356,54 @@ def time_of(nanoseconds: int) -> dict[str, int]:
     return {"sec": seconds, "nanosec": rest}
 
 
+Convert = Callable[[Any], Any]
+"""Function that returns the new value of a field."""
+Change = Callable[[Field], Convert | None]
+"""Function that returns how the values of a field change; None if they do not."""
+
+
+def changed(type_name: str, change: Change, message: Values) -> Values:
+    """Return a message with a change made to its fields, and to messages in it.
+
+    Args:
+        type_name: Its type; messages of types of clients do not change.
+        change: The change.
+        message: The message.
+    """
+    if type_name not in _TYPES:
+        return message
+    functions = _functions(type_name, change).items()
+    return message | {name: convert(message.get(name)) for name, convert in functions}
+
+
 @cache
-def _changes(kind: str) -> bool:
-    """Return whether the form of a type differs between ROS 1 and ROS 2."""
-    if kind in _TIMES or kind == _HEADER:
-        return True
-    found = _TYPES.get(kind)
-    return found is not None and any(_changes(field.kind) for field in found.fields)
+def _functions(type_name: str, change: Change) -> dict[str, Convert]:
+    """Return the functions that change the fields of a type, by name."""
+    found: dict[str, Convert] = {}
+    for field in _TYPES[type_name].fields:
+        convert = change(field)
+        if field.kind in _TYPES and _functions(field.kind, change):
+            inner = partial(changed, field.kind, change)
+            convert = inner if field.length is None else partial(_each, inner)
+        if convert is not None:
+            found[field.name] = convert
+    return found
+
+
+def _each(convert: Convert, values: Iterable[Any]) -> list[Any]:
+    return [convert(one) for one in values]
 
 
 def in_style(type_name: str, message: Values, *, ros2: bool) -> Values:
     """Return a message in the form of ROS 2 or of ROS 1."""
-    # Do not call `_changes` for types of clients, because it caches every result.
-    if ros2 or type_name not in _TYPES or not _changes(type_name):
-        return message
-    return {**message, **dict(_ros1_changes(type_name, message))}
+    return message if ros2 else changed(type_name, _as_ros1, message)
 
 
-def _ros1_changes(type_name: str, message: Values) -> Iterator[tuple[str, object]]:
-    for field in _TYPES[type_name].fields:
-        kind, value = field.kind, message.get(field.name)
-        if field.name == "seq" and type_name == _HEADER:
-            yield "seq", value or 0
-        elif kind in _TIMES:
-            yield field.name, {"secs": value["sec"], "nsecs": value["nanosec"]}  # type: ignore[index]  # a time
-        elif kind in _TYPES and value is not None:
-            many = field.length is not None
-            found = [
-                in_style(kind, one, ros2=False) for one in (value if many else [value])
-            ]
-            yield field.name, found if many else found[0]
+def _as_ros1(field: Field) -> Convert | None:
+    if field.kind in _TIMES:
+        return lambda time: {"secs": time["sec"], "nsecs": time["nanosec"]}
+    # Only headers have a `seq`.
+    return (lambda seq: seq or 0) if field.name == "seq" else None
 
 
 def serialized(type_name: str, message: Values, *, ros2: bool) -> bytes:

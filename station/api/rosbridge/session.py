@@ -25,7 +25,6 @@ from station.api.json_route import DoubleNameError, check_names
 from station.api.rosbridge.actions import Action
 from station.api.rosbridge.broker import (
     ANSWERED,
-    PATIENCE,
     Answer,
     ClientTopic,
     Offer,
@@ -288,7 +287,7 @@ class RosbridgeSession:
     async def do_unadvertise(self, message: Message) -> None:
         """End the publication to a topic."""
         name = path_of(message["topic"])
-        self._graph.broker.leave_topic(name, self.outbox, publishes=True)
+        self._graph.broker.leave_topic(name, self.outbox, "publishers")
 
     async def do_advertise_service(self, message: Message) -> None:
         """Offer a service or an action to the other clients."""
@@ -370,7 +369,7 @@ class RosbridgeSession:
         one.wishes.pop(str(identifier), None)
         if identifier is None or not one.wishes:
             del self.outbox.subscriptions[topic]
-            self._graph.broker.leave_topic(topic, self.outbox, subscribes=True)
+            self._graph.broker.leave_topic(topic, self.outbox, "subscribers")
         else:
             one.settle()
 
@@ -386,39 +385,13 @@ class RosbridgeSession:
         with self._told(identifier, answer):
             form = _form_of(message, message.get("type"), TEXT_COMPRESSIONS)
             service: RosService | Offer = self._graph.find("services", name)
-            args = message.get("args")
+            args = _named(service.type, message.get("args"))
             if isinstance(service, Offer):
-                response = await self._ask(service, args)
+                response = await self._graph.broker.call(service, args, self.outbox)
             else:
                 response = await self._response(service, args)
             kind = f"{service.type}Response"
             answer(in_style(kind, response, ros2=form.is_ros2), result=True)
-
-    async def _ask(self, offer: Offer, args: object) -> Values:
-        """Return the response of another client.
-
-        Raises:
-            RosTypeError: The request is malformed, or its service is unknown.
-        """
-        answered: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
-
-        def told(answer: Answer) -> None:
-            if not answered.done():
-                answered.set_result(answer)
-
-        number = self._graph.broker.ask(offer, _named(offer.type, args), self, told)
-        try:
-            answer = await asyncio.wait_for(answered, PATIENCE)
-        except TimeoutError as error:
-            raise RosTypeError(
-                f"'{offer.name}' has not answered within {PATIENCE:g} s."
-            ) from error
-        finally:
-            self._graph.broker.forget(number)
-        if not answer.result:
-            raise RosTypeError(f"'{offer.name}' failed: {answer.values!s:.300}")
-        found: Values = answer.values
-        return found
 
     async def _response(self, service: RosService, args: object) -> Values:
         """Return the response of a service.
@@ -429,7 +402,7 @@ class RosbridgeSession:
                 refusal.
         """
         kind, response = f"{service.type}Request", f"{service.type}Response"
-        request = checked(kind, _named(service.type, args), "args")
+        request = checked(kind, args, "args")
         what = f"call {service.name}"
         changes = service.changes and not service.is_free(self._client, request)
         if changes:
