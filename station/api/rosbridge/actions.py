@@ -18,7 +18,7 @@ import anyio
 import anyio.to_thread
 
 from station.api.rosbridge.broker import Answer
-from station.api.rosbridge.ros_types import filled
+from station.api.rosbridge.ros_types import filled, type_named
 from station.api.rosbridge.topics import (
     StationTopics,
     Topic,
@@ -50,13 +50,6 @@ MOST_GOALS = 32
 _TRAJECTORY = "control_msgs/FollowJointTrajectory"
 _SEQUENCE = "control_msgs/ExecuteMotionPrimitiveSequence"
 _GRIPPER = "control_msgs/GripperCommand"
-_GRIPPER_ACTIONS = {
-    "homing": "franka_msgs/Homing",
-    "stop": "franka_msgs/Stop",
-    "move": "franka_msgs/Move",
-    "grasp": "franka_msgs/Grasp",
-    "gripper_action": _GRIPPER,
-}
 REJECTED = 5
 """actionlib's status number of a refused goal."""
 _INVALID_GOAL = -1
@@ -186,7 +179,9 @@ class StationActions:
                 begin = partial(self._begin_goal, name, kind)
                 yield Action(f"/{name}/{action}", kind, begin)
         for arm_id, space in grippers_of(self._station):
-            for name, kind in _GRIPPER_ACTIONS.items():
+            for name in ("homing", "stop", "move", "grasp", "gripper_action"):
+                own = type_named("franka_msgs", name)
+                kind = _GRIPPER if name == "gripper_action" else own
                 begin = partial(self._begin_gripper, arm_id, name)
                 yield Action(f"{space}/{name}", kind, begin)
         for arm_id, space in arms_of(self._station):

@@ -127,6 +127,12 @@ def find_type(name: str) -> RosType:
     return found
 
 
+def type_named(package: str, name: str) -> str:
+    """Return the type with the name of a service, e.g. LoadController."""
+    words = (word[0].upper() + word[1:] for word in name.split("_"))
+    return f"{package}/{''.join(words)}"
+
+
 def fields_of(type_name: str) -> dict[str, Field]:
     """Return a type's fields by name in their order; empty for types of clients."""
     known = _TYPES.get(type_name)
@@ -164,7 +170,7 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
     return {
         field.name: _checked_field(field, values[field.name], f"{where}/{field.name}")
         if field.name in values
-        else _default(field)
+        else _default(field.kind, field.length)
         for field in kind.fields
         # Drop the `seq` of a header: ROS 2 has none, and for ROS 1 a new one is made.
         if kind.name != _HEADER or field.name != "seq"
@@ -285,15 +291,11 @@ def _shown(value: object) -> str:
     return repr(value)[:60]
 
 
-def _default(field: Field) -> object:
-    if field.length is not None:
-        return [_default_of(field.kind) for _ in range(max(field.length, 0))]
-    return _default_of(field.kind)
-
-
-def _default_of(kind: str) -> object:
+def _default(kind: str, length: int | None = None) -> object:
+    if length is not None:
+        return [_default(kind) for _ in range(max(length, 0))]
     if kind in _TIMES:
-        return {"sec": 0, "nanosec": 0}
+        return time_of(0)
     if kind in _TYPES:
         return checked(kind, {})
     return {"string": "", "bool": False, "float32": 0.0, "float64": 0.0}.get(kind, 0)
@@ -321,7 +323,7 @@ def filled(type_name: str, source: Mapping[str, Any], stamp: int = 0) -> Values:
                 kind, _named(kind, source if value is None else value), stamp
             )
         elif value is None:
-            value = _default(field)
+            value = _default(kind, field.length)
         elif kind in _TIMES and isinstance(value, float):
             value = time_of(round(value * 1e9))
         elif kind in _TYPES:
@@ -470,7 +472,7 @@ def type_definitions(type_name: str) -> list[Values]:
                 for field in kind.fields
             ],
             "examples": [
-                str([] if field.length is not None else _default_of(field.kind))
+                str([] if field.length is not None else _default(field.kind))
                 if field.kind not in _TYPES
                 else "{}"
                 for field in kind.fields

@@ -18,6 +18,7 @@ from station.api.rosbridge.ros_types import (
     split_style,
     time_of,
     type_definitions,
+    type_named,
 )
 from station.api.rosbridge.services import RosService
 from station.api.rosbridge.topics import Topic
@@ -53,14 +54,14 @@ class Rosapi:
     def all(self) -> Iterator[RosService]:
         """Yield the services of rosapi."""
         for name, answer in self._answers().items():
-            kind = "".join(word.capitalize() for word in name.split("_"))
-            kind = {"ActionServers": "GetActionServers"}.get(kind, kind)
+            kind = type_named("rosapi", name)
+            kind = {"rosapi/ActionServers": "rosapi/GetActionServers"}.get(kind, kind)
             call = partial(_without_client, answer)
-            yield RosService(f"/rosapi/{name}", f"rosapi/{kind}", call)
-        for kind, change in (("Set", self._set), ("Delete", self._delete)):
+            yield RosService(f"/rosapi/{name}", kind, call)
+        for name, change in (("set_param", self._set), ("delete_param", self._delete)):
             yield RosService(
-                f"/rosapi/{kind.lower()}_param",
-                f"rosapi/{kind}Param",
+                f"/rosapi/{name}",
+                type_named("rosapi", name),
                 change,
                 changes=True,
                 is_free=self._is_clients,

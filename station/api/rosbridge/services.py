@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from station.api.rosbridge.ros_types import RosTypeError, facts_of
+from station.api.rosbridge.ros_types import RosTypeError, facts_of, type_named
 from station.api.rosbridge.topics import (
     StationTopics,
     arms_of,
@@ -17,24 +17,17 @@ from station.api.tool_port import ToolClient
 from station.core.control.controller import ControllerBase
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.facade.station import Station
+from station.core.franka import FrankaServices
 from station.core.franka.arms import Arms
+from station.core.hardware.services import ServiceKind
 from station.records.cdr import Values
 
 _GROUP = {"name": "Default", "state": True, "id": 0, "parent": 0}
 _TRIGGER = "std_srvs/Trigger"
-_OF_ARM = {
-    "set_EE_frame": "franka_msgs/SetEEFrame",
-    "set_K_frame": "franka_msgs/SetKFrame",
-    "set_load": "franka_msgs/SetLoad",
-    "set_cartesian_impedance": "franka_msgs/SetCartesianImpedance",
-    "set_joint_impedance": "franka_msgs/SetJointImpedance",
-    "connect": _TRIGGER,
-    "disconnect": _TRIGGER,
-}
-_THRESHOLDS_OF_ARM = {
-    "set_force_torque_collision_behavior": "franka_msgs/SetForceTorqueCollisionBehavior",
-    "set_full_collision_behavior": "franka_msgs/SetFullCollisionBehavior",
-}
+_THRESHOLDS = (
+    "set_force_torque_collision_behavior",
+    "set_full_collision_behavior",
+)
 Call = Callable[[ToolClient, Values], Mapping[str, object] | None]
 
 
@@ -82,12 +75,16 @@ class StationServices:
             call: Call = partial(self._release, arm)
             yield RosService(f"/stop/{name}", _TRIGGER, call, changes=True)
         for arm_id, space in arms_of(self._station):
-            for name, kind in _OF_ARM.items():
-                call = partial(self._call_arm, arm_id, name)
-                yield RosService(f"{space}/{name}", kind, call, changes=True)
-            for name, kind in _THRESHOLDS_OF_ARM.items():
+            for name in _THRESHOLDS:
+                kind = type_named("franka_msgs", name)
                 call = partial(self._set_thresholds, arm_id)
                 yield RosService(f"{space}/{name}", kind, call, changes=True)
+            for name, service in FrankaServices.services().items():
+                if service.kind is not ServiceKind.QUERY:
+                    own = type_named("franka_msgs", name)
+                    kind = own if service.parameters else _TRIGGER
+                    call = partial(self._call_arm, arm_id, name)
+                    yield RosService(f"{space}/{name}", kind, call, changes=True)
         for name, _, controller in loaded_controllers(self._station):
             yield from self._of_controller(name, controller)
 
@@ -100,13 +97,8 @@ class StationServices:
             ("switch_controller", self._switch, True),
             ("reload_controller_libraries", self._reload, True),
         ):
-            kind = "".join(word.capitalize() for word in name.split("_"))
-            yield RosService(
-                f"/controller_manager/{name}",
-                f"controller_manager_msgs/{kind}",
-                call,
-                changes,
-            )
+            kind = type_named("controller_manager_msgs", name)
+            yield RosService(f"/controller_manager/{name}", kind, call, changes)
 
     def _of_controller(
         self, name: str, controller: ControllerBase

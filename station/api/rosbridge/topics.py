@@ -252,23 +252,19 @@ class StationTopics:
 
         def read(_: CycleFrame) -> Values | None:
             try:
-                message = self._station.published(name).get(topic)
+                message: Any = self._station.published(name).get(topic)
             except StationError:
                 return None
             if message is None or message.get("stamp") == last[0]:
                 return None
             last[0] = message.get("stamp")
-            return self.report(kind, message)
+            if isinstance(message.get("robot_mode"), str):
+                mode = RobotMode[str(message["robot_mode"]).upper()].value
+                message = {**message, "robot_mode": mode}
+            seconds = message.get("stamp", self._station.loop.time)
+            return filled(kind, message, self._stamp(seconds))
 
         return Topic(f"/{name}/{topic}", kind, read)
-
-    def report(self, kind: str, message: Mapping[str, Any]) -> Values:
-        """Return a controller's message in the form of ROS."""
-        seconds = message.get("stamp", self._station.loop.time)
-        if isinstance(message.get("robot_mode"), str):
-            mode = RobotMode[str(message["robot_mode"]).upper()].value
-            message = {**message, "robot_mode": mode}
-        return filled(kind, message, self._stamp(seconds))
 
     @staticmethod
     def _streamed(stream: CycleTopic, kind: str, frame: CycleFrame) -> Values | None:
