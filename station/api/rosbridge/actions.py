@@ -12,7 +12,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar, TypeVarTuple
 
 import anyio
 import anyio.to_thread
@@ -65,6 +65,10 @@ ACTIONLIB = {
 ROS2 = {GoalStatus.SUCCEEDED: 4, GoalStatus.PREEMPTED: 5, GoalStatus.ABORTED: 6}
 """The status numbers of ROS 2 for the final states of a goal."""
 _LEAST_EFFORT = 1e-4
+
+
+Inputs = TypeVarTuple("Inputs")
+Output = TypeVar("Output")
 
 
 class Progress(NamedTuple):
@@ -145,9 +149,6 @@ class StationActions:
         station: The station.
         topics: Topics of the station, whose clock stamps the goals.
         publish: Function that publishes a message, from its topic, type and content.
-
-    Attributes:
-        threads: The threads in which goals begin and calls of clients wait.
     """
 
     def __init__(
@@ -162,7 +163,7 @@ class StationActions:
         self._grippers = Grippers(station.robots)
         self._goals: list[TrackedGoal] = []
         # Separate threads, so that the API's requests never wait for one.
-        self.threads = anyio.CapacityLimiter(MOST_THREADS)
+        self._threads = anyio.CapacityLimiter(MOST_THREADS)
 
     def all(self) -> Iterator[Action]:
         """Yield the present actions."""
@@ -214,6 +215,12 @@ class StationActions:
             topic = f"{action.name}/{name}"
             yield Topic(topic, kind, write=write, changes=action.changes)
 
+    async def in_thread(
+        self, function: Callable[[*Inputs], Output], *inputs: *Inputs
+    ) -> Output:
+        """Call a function that may block in one of the threads for clients."""
+        return await anyio.to_thread.run_sync(function, *inputs, limiter=self._threads)
+
     async def start(
         self,
         action: Action,
@@ -242,16 +249,11 @@ class StationActions:
             if action.changes and running >= MOST_GOALS:
                 raise InvalidCommandError(f"There are {MOST_GOALS} goals already.")
             self._goals.append(tracked)
-            begin = partial(action.begin, client, goal)
-            tracked.running = await anyio.to_thread.run_sync(
-                begin, limiter=self.threads
-            )
+            tracked.running = await self.in_thread(action.begin, client, goal)
         except StationError as error:
             tracked.code, tracked.text = REJECTED, error.message
             tracked.ended = asyncio.get_running_loop().time()
-            self._send(
-                tracked, "result", self._filled(tracked, "Result", _failure(error))
-            )
+            self._send(tracked, "Result", _failure(error))
             raise
         tracked.task = asyncio.create_task(self._follow(tracked, tracked.running))
 
@@ -266,14 +268,12 @@ class StationActions:
             and goal_id in {"", one.goal_id["id"]}
         ]
         for running in found:
-            await anyio.to_thread.run_sync(running.cancel, limiter=self.threads)
+            await self.in_thread(running.cancel)
 
     async def _follow(self, tracked: TrackedGoal, running: Running) -> None:
         while tracked.ended is None:
             try:
-                progress = await anyio.to_thread.run_sync(
-                    running.poll, limiter=self.threads
-                )
+                progress = await self.in_thread(running.poll)
             except StationError as error:
                 values = _failure(error)
                 progress = Progress(GoalStatus.ABORTED, values, error.message)
@@ -288,22 +288,20 @@ class StationActions:
             part, tracked.ended = "Result", asyncio.get_running_loop().time()
         elif status is GoalStatus.PENDING or not progress.values:
             return  # the control thread has not yet taken the goal
-        values = self._filled(tracked, part, progress.values)
-        self._send(tracked, part.lower(), values)
+        values = self._send(tracked, part, progress.values)
         op = f"action_{part.lower()}"
         tracked.told(Answer(op, values, ROS2.get(status, 0), result=True))
 
-    def _filled(
+    def _send(
         self, tracked: TrackedGoal, part: str, values: Mapping[str, object]
     ) -> Values:
-        return filled(f"{tracked.action.type}{part}", values, self._clock.now())
-
-    def _send(self, tracked: TrackedGoal, name: str, values: Values) -> None:
-        """Publish an actionlib message of a goal."""
-        action = tracked.action
-        head = {"header": header(self._clock.now()), "status": tracked.status()}
-        kind = f"{action.type}Action{name.capitalize()}"
-        self._publish(f"{action.name}/{name}", kind, {**head, name: values})
+        """Publish a part of a goal, and return it: its `Feedback` or its `Result`."""
+        action, now = tracked.action, self._clock.now()
+        message = filled(f"{action.type}{part}", values, now)
+        head = {"header": header(now), "status": tracked.status()}
+        topic, kind = f"{action.name}/{part.lower()}", f"{action.type}Action{part}"
+        self._publish(topic, kind, {**head, part.lower(): message})
+        return message
 
     def _status(self, action: Action, stamp: int) -> Values:
         self._forget()
@@ -320,10 +318,8 @@ class StationActions:
         control, motion = client.services.control, self._station.motion
         request = goal
         if kind == _TRAJECTORY:
-            request = {
+            request = goal | {
                 "trajectory": self._clock.trajectory(goal["trajectory"]),
-                "path_tolerance": goal["path_tolerance"],
-                "goal_tolerance": goal["goal_tolerance"],
                 "goal_time_tolerance": seconds_of(goal["goal_time_tolerance"]),
             }
         admit = partial(control.admit, client.access, client.lease, name)

@@ -17,7 +17,6 @@ from difflib import get_close_matches
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import anyio.to_thread
 import orjson
 
 from station.api.auth import Access, Role
@@ -312,10 +311,7 @@ class RosbridgeSession:
     async def _run(self, function: Any, blocks: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
         """Call a function with values of the client; in a thread if it may block."""
         if blocks:
-            threads = self._graph.goals.threads
-            return await anyio.to_thread.run_sync(
-                function, self._client, values, limiter=threads
-            )
+            return await self._graph.goals.in_thread(function, self._client, values)
         found = function(self._client, values)
         return await found if inspect.isawaitable(found) else found
 
