@@ -10,6 +10,7 @@ import asyncio
 import secrets
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -22,44 +23,27 @@ from station.events import EventKind, EventLog, Origin, Severity
 from station.reports import AgentRequest, LoopState, Verdict
 
 FREE = frozenset([
-    "stop",
-    "rehearse",
-    "plan",
-    "take_control",
-    "renew_control",
-    "release_control",
-    "start_recording",
-    "stop_recording",
-    "cancel_goal",
-    "stop_gripper",
-    "cancel_playback",
-])
+    "stop", "stop_gripper", "cancel_goal", "cancel_playback",
+    "rehearse", "plan",
+    "take_control", "renew_control", "release_control",
+    "start_recording", "stop_recording",
+])  # fmt: skip
 """Operations that agents may call without asking: they move nothing, or end a motion.
 """
 REHEARSED = frozenset([
-    "put_command",
-    "submit_goal",
-    "follow_trajectory",
-    "play_waypoint_path",
-])
+    "put_command", "submit_goal", "follow_trajectory", "play_waypoint_path",
+])  # fmt: skip
 """Commands that need the certificate of a rehearsal if the policy requires one."""
 _NOT_READ = frozenset(["list_tokens", "stream_needs_websocket"])
 ASKED = REHEARSED | frozenset([
-    "load_controller",
-    "unload_controller",
-    "switch_controllers",
-    "patch_gains",
-    "patch_gains_of_controllers",
-    "undo_gains",
-    "apply_gain_set",
-    "measure_response",
-    "error_recovery",
-    "home_gripper",
-    "move_gripper",
-    "grasp",
+    "load_controller", "unload_controller", "switch_controllers",
+    "patch_gains", "patch_gains_of_controllers", "undo_gains", "apply_gain_set",
+    "measure_response", "error_recovery",
+    "home_gripper", "move_gripper", "grasp",
     "step",
-])
+])  # fmt: skip
 """Operations of agents that a person must allow. Agents may not call any others."""
+_IN_EVENTS = ("number", "operation", "target", "request")
 MOST_WAITING = 4
 """Most waiting requests of one agent: more would hide the first one from people."""
 MOST_KEPT = 200
@@ -212,14 +196,13 @@ class Agents:
     async def _wait(self, asked: _Waiting, origin: Origin) -> None:
         epoch = self._station.epoch
         try:
-            await asyncio.wait_for(asked.decided.wait(), self._policy.wait)
-        except TimeoutError:
-            self._end(asked, Verdict.EXPIRED, "", origin)
-        except asyncio.CancelledError:
-            # The agent has closed the connection, so an answer would allow a request
-            # that no client waits for.
-            self._end(asked, Verdict.EXPIRED, "", origin)
-            raise
+            with suppress(TimeoutError):
+                await asyncio.wait_for(asked.decided.wait(), self._policy.wait)
+        finally:
+            # The time is over, or the agent has closed the connection, so an answer
+            # would allow a request that no client waits for.
+            if asked.report.verdict is None:
+                self._end(asked, Verdict.EXPIRED, origin)
         if self._station.epoch != epoch:
             raise _refused(
                 "The robot was stopped, reset or recovered while the request waited.",
@@ -258,7 +241,7 @@ class Agents:
                 f"Request '{number}' is {asked.report.verdict} already.",
                 remedy="The agent has to ask again.",
             )
-        self._end(asked, verdict, origin.who, origin)
+        self._end(asked, verdict, origin)
         if verdict is Verdict.ALLOWED_FOR_A_TIME:
             until = self._now() + self._policy.grant
             self._granted[asked.report.agent] = (until, self._station.epoch)
@@ -280,11 +263,8 @@ class Agents:
     def _put(
         self, operation: str, target: str, body: object, access: Access
     ) -> _Waiting:
-        waiting = [
-            number
-            for number, one in self._requests.items()
-            if one.report.verdict is None and one.report.agent == access.name
-        ]
+        known = [one.report for one in self._requests.values()]
+        waiting = [r for r in known if r.agent == access.name and r.verdict is None]
         if len(waiting) >= MOST_WAITING:
             raise TooManyAgentRequestsError(
                 f"{MOST_WAITING} requests of {access.name} wait for a person already.",
@@ -309,12 +289,12 @@ class Agents:
                 del self._requests[old]
         return asked
 
-    def _end(self, asked: _Waiting, verdict: Verdict, who: str, origin: Origin) -> None:
+    def _end(self, asked: _Waiting, verdict: Verdict, origin: Origin) -> None:
+        who = "" if verdict is Verdict.EXPIRED else origin.who
         asked.report = replace(asked.report, verdict=verdict, decided_by=who)
         asked.decided.set()
-        self._record(
-            asked.report, verdict.value, f"{who or 'Nobody'} answered:", origin
-        )
+        begin = f"{who or 'Nobody'} answered:"
+        self._record(asked.report, verdict.value, begin, origin)
 
     def _record(
         self, report: AgentRequest, result: str, begin: str, origin: Origin
@@ -325,12 +305,7 @@ class Agents:
             severity=Severity.INFO,
             what=report.agent,
             result=result,
-            details={
-                "number": report.number,
-                "operation": report.operation,
-                "target": report.target,
-                "request": report.request,
-            },
+            details={key: getattr(report, key) for key in _IN_EVENTS},
             origin=origin,
         )
 

@@ -8,7 +8,8 @@ token is a viewer, because such tools ask users only for an address.
 import asyncio
 import logging
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
@@ -62,6 +63,11 @@ def report_fault(error: Exception) -> str:
     )
 
 
+def reason_of(error: StationError) -> str:
+    """Return the words for a client whose change was refused."""
+    return f"{error.message} {error.remedy}".strip()
+
+
 class ToolClient:
     """A client of a port: its rights, and the events about its changes.
 
@@ -112,6 +118,31 @@ class ToolClient:
         except StationError as error:
             self.record(what, f"refused: {error.code}", is_done=False)
             raise
+
+    @contextmanager
+    def changing(
+        self, what: str, *, changes: bool = True, free: int = 10
+    ) -> Iterator[None]:
+        """Check that the client may make a change, and record how the body ends.
+
+        Args:
+            what: The change.
+            changes: Whether it changes the station; otherwise this does nothing.
+            free: As in `record`.
+
+        Raises:
+            StationError: The client may not make changes, or the body refused it.
+        """
+        if not changes:
+            yield
+            return
+        self.check(what)
+        try:
+            yield
+        except StationError as error:
+            self.record(what, f"refused: {error.code}", is_done=False)
+            raise
+        self.record(what, "done", is_done=True, free=free)
 
     def record(self, what: str, result: str, *, is_done: bool, free: int = 10) -> None:
         """Record a change that was carried out or refused, and count repeats.

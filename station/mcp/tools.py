@@ -4,14 +4,18 @@ The document says of each operation whether agents may call it (`x-agent`), so a
 operation becomes a tool without a change here.
 """
 
+import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import mcp_types as types
+
 from station.client.connection import segment
 
 _REF = "#/components/schemas/"
+_REFERENCE = re.compile(f'"{_REF}([^"]+)"')
 _BODY = "body"
 _ROUTE = re.compile(r"\b([A-Z]+) (/api/v1/[^\s'`,;.]+)")
 
@@ -21,23 +25,20 @@ class StationTool:
     """An operation of the API that an agent may call.
 
     Attributes:
-        name: Name of the operation.
-        description: Effect, for the agent.
+        offer: Name, effect and JSON schema of the arguments, for the agent; those of
+            the body are under `body`.
         seat: Agents' right to the operation: `read`; `free` (without asking); or
             `asked` (once a person has allowed the call).
         method: HTTP method.
         path: Path with `{names}` of parameters.
         places: `path` or `query` of each parameter.
-        schema: JSON schema of the arguments; those of the body are under `body`.
     """
 
-    name: str
-    description: str
+    offer: types.Tool
     seat: str
     method: str
     path: str
     places: Mapping[str, str]
-    schema: dict[str, Any]
 
     def request(self, arguments: Mapping[str, Any]) -> tuple[str, dict[str, Any], Any]:
         """Return path, query and body of a call.
@@ -49,23 +50,23 @@ class StationTool:
             ValueError: An argument is unknown, an argument of the path is missing, or
                 the body is not an object.
         """
-        known = self.schema["properties"].keys()
+        name, known = self.offer.name, self.offer.input_schema["properties"].keys()
         unknown = arguments.keys() - known
         needed = {name for name, place in self.places.items() if place == "path"}
         if unknown or needed - arguments.keys():
             raise ValueError(
-                f"{self.name} takes {_listed(known)}; it needs {_listed(needed)}; "
+                f"{name} takes {_listed(known)}; it needs {_listed(needed)}; "
                 f"given is {_listed(arguments)}."
             )
         path, query = self.path, {}
-        for name, place in self.places.items():
+        for key, place in self.places.items():
             if place == "path":
-                path = path.replace(f"{{{name}}}", segment(str(arguments[name])))
-            elif name in arguments:
-                query[name] = arguments[name]
+                path = path.replace(f"{{{key}}}", segment(str(arguments[key])))
+            elif key in arguments:
+                query[key] = arguments[key]
         body = arguments.get(_BODY)
         if body is not None and not isinstance(body, dict):
-            raise ValueError(f"The body of {self.name} is an object, not {body!r:.80}.")
+            raise ValueError(f"The body of {name} is an object, not {body!r:.80}.")
         return path, query, body
 
 
@@ -82,7 +83,7 @@ def in_terms_of_tools(text: str, tools: Iterable[StationTool]) -> str:
         for tool in tools:
             form = re.sub(r"\\{\w+\\}", "[^/]+", re.escape(tool.path))
             if tool.method == method and re.fullmatch(form, path):
-                return f"`{tool.name}`"
+                return f"`{tool.offer.name}`"
         return route[0]
 
     return _ROUTE.sub(named, text)
@@ -103,7 +104,7 @@ def tools_of(document: Mapping[str, Any]) -> dict[str, StationTool]:
         for method, operation in methods.items():
             if "x-agent" in operation:
                 tool = _tool(path, method, operation, document)
-                found[tool.name] = tool
+                found[tool.offer.name] = tool
     return found
 
 
@@ -125,41 +126,28 @@ def _tool(
         if body.get("required"):
             required.append(_BODY)
     schema = {"type": "object", "properties": properties, "required": required}
-    definitions: dict[str, Any] = {}
-    schema = _localised(schema, document["components"]["schemas"], definitions)
-    if definitions:
-        schema["$defs"] = definitions
-    return StationTool(
-        operation["operationId"],
-        operation["description"],
-        operation["x-agent"],
-        method.upper(),
-        path,
-        {p["name"]: p["in"] for p in parameters},
-        schema,
+    seat = operation["x-agent"]
+    offer = types.Tool(
+        name=operation["operationId"],
+        description=operation["description"],
+        input_schema=_localised(schema, document["components"]["schemas"]),
+        annotations=types.ToolAnnotations(
+            read_only_hint=seat == "read", destructive_hint=seat == "asked"
+        ),
     )
+    places = {p["name"]: p["in"] for p in parameters}
+    return StationTool(offer, seat, method.upper(), path, places)
 
 
-def _localised(
-    part: Any,  # noqa: ANN401 - any part of a JSON schema
-    schemas: Mapping[str, Any],
-    definitions: dict[str, Any],
-) -> Any:  # noqa: ANN401 - the same kind of part
+def _localised(schema: dict[str, Any], schemas: Mapping[str, Any]) -> dict[str, Any]:
     """Return a schema that contains all schemas to which it refers."""
-    if isinstance(part, list):
-        return [_localised(each, schemas, definitions) for each in part]
-    if not isinstance(part, dict):
-        return part
-    reference = part.get("$ref", "")
-    if isinstance(reference, str) and reference.startswith(_REF):
-        name = reference.removeprefix(_REF)
-        if name not in definitions:
-            definitions[name] = {}  # a schema may refer to itself
-            definitions[name] = _localised(schemas[name], schemas, definitions)
-        return {"$ref": f"#/$defs/{name}"}
-    return {
-        key: _localised(value, schemas, definitions)
-        for key, value in part.items()
-        # The mapping of a union refers to the document, which the tool does not have.
-        if key != "discriminator"
-    }
+    definitions: dict[str, Any] = {}
+    pending = [schema]
+    for one in pending:
+        for name in _REFERENCE.findall(json.dumps(one)):
+            if name not in definitions:
+                definitions[name] = schemas[name]
+                pending.append(schemas[name])
+    whole = {**schema, "$defs": definitions} if definitions else schema
+    found: dict[str, Any] = json.loads(json.dumps(whole).replace(_REF, "#/$defs/"))
+    return found

@@ -19,7 +19,7 @@ Values = dict[str, Any]
 """A message: values by field; a message inside of it has the same form."""
 
 # Version 1 of CDR, little-endian; alignment counts from the byte after these four.
-_ENCAPSULATION = b"\x00\x01\x00\x00"
+ENCAPSULATION = b"\x00\x01\x00\x00"
 PRIMITIVES = {
     "bool": "?",
     "int8": "b",
@@ -240,7 +240,7 @@ class Layout:
 
     def _compile(self) -> None:
         """Join neighbouring constants, so that `pack` needs one call of `struct`."""
-        codes, constants = "<", {0: _ENCAPSULATION}
+        codes, constants = "<", {0: ENCAPSULATION}
         index, was_constant = 1, True
         for piece in self._pieces:
             if isinstance(piece, str):
@@ -376,7 +376,7 @@ class Form:
 
 class _Writer:
     def __init__(self) -> None:
-        self.data = bytearray(_ENCAPSULATION)
+        self.data = bytearray(ENCAPSULATION)
 
     def put(self, code: str, value: float) -> None:
         size = struct.calcsize(code)

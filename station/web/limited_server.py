@@ -45,6 +45,8 @@ LOOK_PERIOD = 0.5
 """Time between two checks of a connection [s]."""
 
 
+NO_UTF8 = 1007
+"""Close code of a WebSocket for a text that is not UTF-8 (RFC 6455, 7.4.1)."""
 _OUT_OF_FILES = frozenset({errno.EMFILE, errno.ENFILE})
 _log = logging.getLogger(__name__)
 
@@ -139,13 +141,27 @@ class LimitedProtocol(H11Protocol):
 
 
 class SocketProtocol(WebSocketsSansIOProtocol):
-    """A WebSocket connection that its client may close while the server ends."""
+    """A WebSocket connection whose client's faults are no faults of the server."""
 
     @override
     def shutdown(self) -> None:
         # Uvicorn would close a client again that has just closed, and raise an error.
         if not self.transport.is_closing():
             super().shutdown()
+
+    @override
+    def send_receive_event_to_app(self) -> None:
+        # Uvicorn would log a traceback for the client's fault, and close the connection
+        # without a reason.
+        if self.curr_msg_data_type == "text" and not self.close_sent:
+            try:
+                b"".join(self.frames).decode()
+            except UnicodeDecodeError:
+                self.frames = []
+                self.conn.send_close(NO_UTF8, "a text has to be UTF-8")
+                self.handle_parser_exception()
+                return
+        super().send_receive_event_to_app()
 
 
 def make_room(connections: Iterable[asyncio.Protocol]) -> bool:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from sys import float_info
 from typing import TypeGuard
 
-from station.api.tool_port import ToolClient
+from station.api.tool_port import ToolClient, reason_of
 from station.core.control.switching import SwitchRequest
 from station.core.errors import (
     InvalidCommandError,
@@ -61,7 +61,7 @@ class FoxgloveChanges:
         try:
             self._client.check(what)
         except StationError as error:
-            return GainsAnswer(self.gains(list(wanted)), [_sentence(error)])
+            return GainsAnswer(self.gains(list(wanted)), [reason_of(error)])
         problems: list[str] = []
         known, good = self.gains([]), {}
         for name, value in wanted.items():
@@ -114,14 +114,14 @@ class FoxgloveChanges:
             self._station.tuning.set_many(_by_controller(good))
         except InvalidGainError as error:
             if len(good) == 1:
-                return [_sentence(error)]
+                return [reason_of(error)]
             # Set them one by one, so that a wrong value does not keep the others from
             # being set.
             return [
                 one for name, value in good.items() for one in self._set({name: value})
             ]
         except StationError as error:
-            return [_sentence(error)]
+            return [reason_of(error)]
         return []
 
 
@@ -131,10 +131,6 @@ def _by_controller(gains: dict[str, float]) -> dict[str, dict[str, float]]:
         controller, _, gain = name.partition(_SLASH)
         found.setdefault(controller, {})[gain] = value
     return found
-
-
-def _sentence(error: StationError) -> str:
-    return f"{error.message} {error.remedy}".strip()
 
 
 def _names(asked: object, key: str) -> list[str]:

@@ -9,27 +9,28 @@ reach its aim is aborted; it does not succeed with `success` false.
 """
 
 import asyncio
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar, TypeVarTuple
 
 import anyio
 import anyio.to_thread
 
-from station.api.rosbridge.ros_types import filled
+from station.api.rosbridge.broker import Answer
+from station.api.rosbridge.ros_types import filled, type_named
 from station.api.rosbridge.topics import (
     StationTopics,
     Topic,
-    arm_namespace,
-    gripper_namespace,
+    arms_of,
+    grippers_of,
     loaded_controllers,
     seconds_of,
 )
 from station.api.tool_port import ToolClient
 from station.core.errors import InvalidCommandError, StationError
 from station.core.facade.station import Station
-from station.core.franka import FrankaServices, GraspRequest, GripperServices
+from station.core.franka import GraspRequest
 from station.core.franka.gripper_services import DEFAULT_SPEED, GripperState
 from station.core.franka.grippers import Grippers
 from station.core.ports.goal import Goal, GoalStatus
@@ -64,6 +65,10 @@ ACTIONLIB = {
 ROS2 = {GoalStatus.SUCCEEDED: 4, GoalStatus.PREEMPTED: 5, GoalStatus.ABORTED: 6}
 """The status numbers of ROS 2 for the final states of a goal."""
 _LEAST_EFFORT = 1e-4
+
+
+Inputs = TypeVarTuple("Inputs")
+Output = TypeVar("Output")
 
 
 class Progress(NamedTuple):
@@ -125,7 +130,7 @@ class TrackedGoal:
 
     action: Action
     goal_id: Values
-    told: Callable[[Progress], None] = lambda _: None
+    told: Callable[[Answer], None] = lambda _: None
     code: int = 0
     text: str = ""
     running: Running | None = None
@@ -144,9 +149,6 @@ class StationActions:
         station: The station.
         topics: Topics of the station, whose clock stamps the goals.
         publish: Function that publishes a message, from its topic, type and content.
-
-    Attributes:
-        threads: The threads in which goals begin and calls of clients wait.
     """
 
     def __init__(
@@ -161,7 +163,7 @@ class StationActions:
         self._grippers = Grippers(station.robots)
         self._goals: list[TrackedGoal] = []
         # Separate threads, so that the API's requests never wait for one.
-        self.threads = anyio.CapacityLimiter(MOST_THREADS)
+        self._threads = anyio.CapacityLimiter(MOST_THREADS)
 
     def all(self) -> Iterator[Action]:
         """Yield the present actions."""
@@ -177,18 +179,15 @@ class StationActions:
             for action, kind in actions.items():
                 begin = partial(self._begin_goal, name, kind)
                 yield Action(f"/{name}/{action}", kind, begin)
-        for arm_id in self._station.robots.names(GripperServices):
-            space = gripper_namespace(self._station, arm_id)
-            for name in ("homing", "stop", "move", "grasp"):
+        for arm_id, space in grippers_of(self._station):
+            for name in ("homing", "stop", "move", "grasp", "gripper_action"):
+                own = type_named("franka_msgs", name)
+                kind = _GRIPPER if name == "gripper_action" else own
                 begin = partial(self._begin_gripper, arm_id, name)
-                yield Action(f"{space}/{name}", f"franka_msgs/{name.title()}", begin)
-            begin = partial(self._begin_gripper, arm_id, "gripper_action")
-            yield Action(f"{space}/gripper_action", _GRIPPER, begin)
-        for arm_id in self._station.robots.names(FrankaServices):
-            name = f"{arm_namespace(self._station, arm_id)}/error_recovery"
-            yield Action(
-                name, "franka_msgs/ErrorRecovery", partial(self._recover, arm_id)
-            )
+                yield Action(f"{space}/{name}", kind, begin)
+        for arm_id, space in arms_of(self._station):
+            begin = partial(self._recover, arm_id)
+            yield Action(f"{space}/error_recovery", "franka_msgs/ErrorRecovery", begin)
 
     def topics_of(self, action: Action) -> Iterator[Topic]:
         """Yield the actionlib topics of an action."""
@@ -202,22 +201,25 @@ class StationActions:
         for name in ("feedback", "result"):
             kind = f"{action.type}Action{name.capitalize()}"
             yield Topic(f"{action.name}/{name}", kind)
-        yield Topic(
-            f"{action.name}/goal",
-            f"{action.type}ActionGoal",
-            write=lambda client, message: self.start(
-                action, client, message["goal"], message["goal_id"]
-            ),
-            is_quick=True,
-            changes=action.changes,
-        )
-        yield Topic(
-            f"{action.name}/cancel",
-            "actionlib_msgs/GoalID",
-            write=lambda _, message: self.cancel(action, message["id"]),
-            is_quick=True,
-            changes=action.changes,
-        )
+
+        def start(client: ToolClient, message: Values) -> Awaitable[None]:
+            return self.start(action, client, message["goal"], message["goal_id"])
+
+        def cancel(_: ToolClient, message: Values) -> Awaitable[None]:
+            return self.cancel(action, message["id"])
+
+        for name, kind, write in (
+            ("goal", f"{action.type}ActionGoal", start),
+            ("cancel", "actionlib_msgs/GoalID", cancel),
+        ):
+            topic = f"{action.name}/{name}"
+            yield Topic(topic, kind, write=write, changes=action.changes)
+
+    async def in_thread(
+        self, function: Callable[[*Inputs], Output], *inputs: *Inputs
+    ) -> Output:
+        """Call a function that may block in one of the threads for clients."""
+        return await anyio.to_thread.run_sync(function, *inputs, limiter=self._threads)
 
     async def start(
         self,
@@ -225,7 +227,7 @@ class StationActions:
         client: ToolClient,
         goal: Values,
         goal_id: Values,
-        told: Callable[[Progress], None] = lambda _: None,
+        told: Callable[[Answer], None] = lambda _: None,
     ) -> None:
         """Begin a goal and follow it to its end.
 
@@ -247,17 +249,11 @@ class StationActions:
             if action.changes and running >= MOST_GOALS:
                 raise InvalidCommandError(f"There are {MOST_GOALS} goals already.")
             self._goals.append(tracked)
-            begin = partial(action.begin, client, goal)
-            tracked.running = await anyio.to_thread.run_sync(
-                begin, limiter=self.threads
-            )
+            tracked.running = await self.in_thread(action.begin, client, goal)
         except StationError as error:
             tracked.code, tracked.text = REJECTED, error.message
-            # These are the names in the results of all actions; each action uses its
-            # own.
-            values: Values = {"error_string": error.message, "error": error.message}
-            values["error_code"] = error.details.get("error_code", _INVALID_GOAL)
-            self._end(tracked, self._filled(action, "Result", values))
+            tracked.ended = asyncio.get_running_loop().time()
+            self._send(tracked, "Result", _failure(error))
             raise
         tracked.task = asyncio.create_task(self._follow(tracked, tracked.running))
 
@@ -272,47 +268,40 @@ class StationActions:
             and goal_id in {"", one.goal_id["id"]}
         ]
         for running in found:
-            await anyio.to_thread.run_sync(running.cancel, limiter=self.threads)
+            await self.in_thread(running.cancel)
 
     async def _follow(self, tracked: TrackedGoal, running: Running) -> None:
-        status = GoalStatus.ACTIVE
-        while status in {GoalStatus.PENDING, GoalStatus.ACTIVE}:
+        while tracked.ended is None:
             try:
-                progress = await anyio.to_thread.run_sync(
-                    running.poll, limiter=self.threads
-                )
+                progress = await self.in_thread(running.poll)
             except StationError as error:
-                values = {"error_string": error.message, "error_code": _INVALID_GOAL}
+                values = _failure(error)
                 progress = Progress(GoalStatus.ABORTED, values, error.message)
-            status, tracked.text = progress.status, progress.text
-            tracked.code = ACTIONLIB[status]
-            part = "Result" if status in ROS2 else "Feedback"
-            values = self._filled(tracked.action, part, progress.values)
-            if status in ROS2:
-                self._end(tracked, values)
-            # A goal that the control thread has not yet taken has no feedback.
-            has_feedback = status is GoalStatus.ACTIVE and bool(progress.values)
-            if has_feedback:
-                self._send(tracked, "feedback", values)
-            if has_feedback or status in ROS2:
-                tracked.told(progress._replace(values=values))
+            self._report(tracked, progress)
             await asyncio.sleep(FEEDBACK_PERIOD)
 
-    def _filled(
-        self, action: Action, part: str, values: Mapping[str, object]
+    def _report(self, tracked: TrackedGoal, progress: Progress) -> None:
+        """Send the feedback or the result of a goal to those who follow it."""
+        status, part = progress.status, "Feedback"
+        tracked.code, tracked.text = ACTIONLIB[status], progress.text
+        if status in ROS2:
+            part, tracked.ended = "Result", asyncio.get_running_loop().time()
+        elif status is GoalStatus.PENDING or not progress.values:
+            return  # the control thread has not yet taken the goal
+        values = self._send(tracked, part, progress.values)
+        op = f"action_{part.lower()}"
+        tracked.told(Answer(op, values, ROS2.get(status, 0), result=True))
+
+    def _send(
+        self, tracked: TrackedGoal, part: str, values: Mapping[str, object]
     ) -> Values:
-        return filled(f"{action.type}{part}", values, self._clock.now())
-
-    def _end(self, tracked: TrackedGoal, values: Values) -> None:
-        tracked.ended = asyncio.get_running_loop().time()
-        self._send(tracked, "result", values)
-
-    def _send(self, tracked: TrackedGoal, name: str, values: Values) -> None:
-        """Publish an actionlib message of a goal."""
-        action = tracked.action
-        head = {"header": header(self._clock.now()), "status": tracked.status()}
-        kind = f"{action.type}Action{name.capitalize()}"
-        self._publish(f"{action.name}/{name}", kind, {**head, name: values})
+        """Publish a part of a goal, and return it: its `Feedback` or its `Result`."""
+        action, now = tracked.action, self._clock.now()
+        message = filled(f"{action.type}{part}", values, now)
+        head = {"header": header(now), "status": tracked.status()}
+        topic, kind = f"{action.name}/{part.lower()}", f"{action.type}Action{part}"
+        self._publish(topic, kind, {**head, part.lower(): message})
+        return message
 
     def _status(self, action: Action, stamp: int) -> Values:
         self._forget()
@@ -329,10 +318,8 @@ class StationActions:
         control, motion = client.services.control, self._station.motion
         request = goal
         if kind == _TRAJECTORY:
-            request = {
+            request = goal | {
                 "trajectory": self._clock.trajectory(goal["trajectory"]),
-                "path_tolerance": goal["path_tolerance"],
-                "goal_tolerance": goal["goal_tolerance"],
                 "goal_time_tolerance": seconds_of(goal["goal_time_tolerance"]),
             }
         admit = partial(control.admit, client.access, client.lease, name)
@@ -354,10 +341,8 @@ class StationActions:
         elif name == "move":
             state = grippers.move(arm_id, goal["width"], goal["speed"])
         elif name == "grasp":
-            inner, outer = goal["epsilon"]["inner"], goal["epsilon"]["outer"]
-            wanted = GraspRequest(
-                goal["width"], goal["force"], goal["speed"], inner, outer
-            )
+            within = goal["epsilon"]["inner"], goal["epsilon"]["outer"]
+            wanted = GraspRequest(goal["width"], goal["force"], goal["speed"], *within)
             state = grippers.grasp(arm_id, wanted)
         else:
             state = self._begin_gripper_action(arm_id, goal["command"])
@@ -378,6 +363,12 @@ class StationActions:
     def _recover(self, arm_id: str, _: ToolClient, __: Values) -> Running:
         self._station.robots.recover(arm_id)
         return _done({})
+
+
+def _failure(error: StationError) -> Values:
+    """Return the result of a goal that failed, with the names of all actions."""
+    code = error.details.get("error_code", _INVALID_GOAL)
+    return {"error_string": error.message, "error": error.message, "error_code": code}
 
 
 def _progress(goal: Goal) -> Progress:

@@ -10,12 +10,13 @@ that another client already offers is refused; values of types that the station 
 know are passed on unchecked.
 """
 
+import asyncio
 import re
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from station.api.rosbridge.outbox import Outbox
 from station.api.rosbridge.ros_types import RosTypeError, checked, in_style, split_style
@@ -37,22 +38,13 @@ _ASKED = {
     "services": ("call_service", "service", "Request"),
     "actions": ("send_action_goal", "action", "Goal"),
 }
-_ANSWERED = {
+ANSWERED = {
     "service_response": "Response",
     "action_feedback": "Feedback",
     "action_result": "Result",
 }
 ABORTED = 6
 """ROS 2's status number of an aborted goal."""
-
-
-class Member(Protocol):
-    """A client that offers topics, services or actions."""
-
-    outbox: Outbox
-
-    def tell(self, text: str) -> None:
-        """Warn the client."""
 
 
 @dataclass(slots=True)
@@ -65,8 +57,8 @@ class ClientTopic(Topic):
         latched: Message that a new subscriber gets at once; None without one.
     """
 
-    publishers: set[Member] = field(default_factory=set)
-    subscribers: set[Member] = field(default_factory=set)
+    publishers: set[Outbox] = field(default_factory=set)
+    subscribers: set[Outbox] = field(default_factory=set)
     latched: Values | None = None
 
 
@@ -85,7 +77,7 @@ class Offer(NamedTuple):
     what: str
     name: str
     type: str
-    member: Member
+    member: Outbox
     written: str
     is_ros2: bool
 
@@ -108,7 +100,7 @@ class Answer(NamedTuple):
 
 class _Pending(NamedTuple):
     offer: Offer
-    asker: Member
+    asker: Outbox
     told: Callable[[Answer], None]
 
 
@@ -120,16 +112,14 @@ class Broker:
 
     Attributes:
         topics: The topics of clients by name.
-        services: The services of clients by name.
-        actions: The actions of clients by name.
+        offers: The `services` and the `actions` of clients, each by name.
         parameters: The parameters of clients, which the station does not use.
         reserved: First parts of names that belong to the station.
     """
 
     def __init__(self, publish: Callable[[str, str, Values], None]) -> None:
         self.topics: dict[str, ClientTopic] = {}
-        self.services: dict[str, Offer] = {}
-        self.actions: dict[str, Offer] = {}
+        self.offers: dict[str, dict[str, Offer]] = {"services": {}, "actions": {}}
         self.parameters = ParameterServer(
             Parameters(), threading.Lock(), lambda _: False
         )
@@ -144,12 +134,13 @@ class Broker:
         for name in [n for n in self.topics if self.is_reserved(n)]:
             topic = self.topics.pop(name)
             for member in topic.publishers | topic.subscribers:
-                member.outbox.subscriptions.pop(name, None)
-                member.tell(f"'{name}' is a name of the station now.")
-        for offers in (self.services, self.actions):
-            for name in [n for n in offers if self.is_reserved(n)]:
-                offers[name].member.tell(f"'{name}' is a name of the station now.")
-                self._withdraw(offers[name])
+                member.subscriptions.pop(name, None)
+                member.tell("warning", f"'{name}' is a name of the station now.")
+        for offer in self._offers():
+            if self.is_reserved(offer.name):
+                told = f"'{offer.name}' is a name of the station now."
+                offer.member.tell("warning", told)
+                self._withdraw(offer)
 
     def is_reserved(self, name: str) -> bool:
         """Return whether a name belongs to the station."""
@@ -167,14 +158,12 @@ class Broker:
         def write(_: object, values: Values) -> None:
             self._publish(name, kind, values)
 
-        topic = ClientTopic(
-            name, kind, write=write, period=LATCHED, is_quick=True, changes=False
-        )
+        topic = ClientTopic(name, kind, write=write, period=LATCHED, changes=False)
         topic.read = lambda _: topic.latched
         self.topics[name] = topic
         return topic
 
-    def advertise(self, topic: ClientTopic, member: Member) -> None:
+    def advertise(self, topic: ClientTopic, member: Outbox) -> None:
         """Note that a client publishes to a topic.
 
         Raises:
@@ -187,26 +176,23 @@ class Broker:
         finally:
             self.leave_topic(topic.name, member)
 
-    def leave_topic(
-        self,
-        name: str,
-        member: Member,
-        *,
-        publishes: bool = False,
-        subscribes: bool = False,
-    ) -> None:
-        """Note that a client no longer publishes or subscribes to a topic."""
+    def leave_topic(self, name: str, member: Outbox, *roles: str) -> None:
+        """Note that a client leaves a topic, which ends with the last one.
+
+        Args:
+            name: The topic; unknown ones are ignored.
+            member: The client.
+            roles: Roles that it gives up: `publishers`, `subscribers`.
+        """
         topic = self.topics.get(name)
         if topic is None:
             return
-        if publishes:
-            topic.publishers.discard(member)
-        if subscribes:
-            topic.subscribers.discard(member)
+        for role in roles:
+            getattr(topic, role).discard(member)
         if not topic.publishers and not topic.subscribers:
             del self.topics[name]
 
-    def offer(self, what: str, written: str, type_name: str, member: Member) -> Offer:
+    def offer(self, what: str, written: str, type_name: str, member: Outbox) -> Offer:
         """Note a client's service or action; return the offer.
 
         Args:
@@ -221,41 +207,68 @@ class Broker:
         """
         name = f"/{written.strip('/')}"
         kind, is_ros2 = self._checked_name(name, type_name)
-        offers: dict[str, Offer] = getattr(self, what)
-        known = offers.get(name)
+        known = self.offers[what].get(name)
         if known is not None and known.member is not member:
             raise RosTypeError(f"Another client offers the {what[:-1]} '{name}'.")
         self._check_number(member)
-        offers[name] = Offer(what, name, kind, member, written, is_ros2)
-        return offers[name]
+        made = Offer(what, name, kind, member, written, is_ros2)
+        self.offers[what][name] = made
+        return made
 
-    def take_back(self, what: str, name: str, member: Member) -> None:
+    def take_back(self, what: str, name: str, member: Outbox) -> None:
         """End an offer of a client.
 
         Raises:
             RosTypeError: The client does not offer this.
         """
-        found: Offer | None = getattr(self, what).get(f"/{name.strip('/')}")
+        found = self.offers[what].get(f"/{name.strip('/')}")
         if found is None or found.member is not member:
             raise RosTypeError(f"You do not offer the {what[:-1]} '{name:.80}'.")
         self._withdraw(found)
 
-    def leave(self, member: Member) -> None:
+    def leave(self, member: Outbox) -> None:
         """End all offers and requests of a client that leaves."""
         for name in list(self.topics):
-            self.leave_topic(name, member, publishes=True, subscribes=True)
-        for offer in (*self.services.values(), *self.actions.values()):
+            self.leave_topic(name, member, "publishers", "subscribers")
+        for offer in self._offers():
             if offer.member is member:
                 self._withdraw(offer)
         for number, one in self._pending.items():
             if one.asker is member:
                 self._pending[number] = one._replace(told=lambda _: None)
 
+    async def call(self, offer: Offer, args: object, asker: Outbox) -> Values:
+        """Return the response of a client's service.
+
+        Raises:
+            RosTypeError: The request is malformed, or the client does not answer, or
+                its service failed.
+        """
+        answered: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
+
+        def told(answer: Answer) -> None:
+            if not answered.done():
+                answered.set_result(answer)
+
+        number = self.ask(offer, args, asker, told)
+        try:
+            answer = await asyncio.wait_for(answered, PATIENCE)
+        except TimeoutError as error:
+            raise RosTypeError(
+                f"'{offer.name}' has not answered within {PATIENCE:g} s."
+            ) from error
+        finally:
+            self._pending.pop(number, None)
+        if not answer.result:
+            raise RosTypeError(f"'{offer.name}' failed: {answer.values!s:.300}")
+        found: Values = answer.values
+        return found
+
     def ask(
         self,
         offer: Offer,
         args: object,
-        asker: Member,
+        asker: Outbox,
         told: Callable[[Answer], None],
     ) -> str:
         """Pass a request or a goal to the offering client; return its number.
@@ -281,7 +294,7 @@ class Broker:
         message: Values = {"op": op, key: offer.written, "args": values}
         if key == "action":
             message.update({"action_type": offer.type, "feedback": True})
-        offer.member.outbox.answer(message, number)
+        offer.member.answer(message, number)
         return number
 
     async def cancel(self, number: str) -> None:
@@ -289,13 +302,9 @@ class Broker:
         pending = self._pending.get(number)
         if pending is not None:
             message = {"op": "cancel_action_goal", "action": pending.offer.written}
-            pending.offer.member.outbox.answer(message, number)
+            pending.offer.member.answer(message, number)
 
-    def forget(self, number: str) -> None:
-        """Stop waiting for an answer."""
-        self._pending.pop(number, None)
-
-    def hear(self, message: Mapping[str, Any], member: Member) -> None:
+    def hear(self, message: Mapping[str, Any], member: Outbox) -> None:
         """Pass on the answer of a client to a request or a goal.
 
         Raises:
@@ -305,29 +314,30 @@ class Broker:
         pending = self._pending.get(number)
         if pending is None or pending.offer.member is not member:
             raise RosTypeError(f"Nobody waits for '{number:.80}' of yours.")
-        values, is_result = message.get("values"), message.get("result") is not False
         if op != "action_feedback":
             del self._pending[number]
+        values, status = message.get("values"), message.get("status")
         # As in ROS 1, a response with a message counts as a success. `result` is
         # ignored, because roslibpy's servers set it to false.
-        if op == "service_response" and isinstance(values, Mapping):
-            is_result = True
-        status = message.get("status")
-        answer = Answer(op, values, status if isinstance(status, int) else ABORTED)
+        is_response = op == "service_response" and isinstance(values, Mapping)
+        is_result = is_response or message.get("result") is not False
+        code = status if isinstance(status, int) else ABORTED
+        answer = Answer(op, values, code, is_result)
         if is_result:
-            kind = f"{pending.offer.type}{_ANSWERED[op]}"
+            kind = f"{pending.offer.type}{ANSWERED[op]}"
             try:
-                answer = answer._replace(
-                    values=checked(kind, values, "values"), result=True
-                )
+                answer = answer._replace(values=checked(kind, values, "values"))
             except RosTypeError as error:
                 failed = f"The answer was malformed: {error.message}"
-                pending.told(answer._replace(values=failed))
+                pending.told(answer._replace(values=failed, result=False))
                 raise
         pending.told(answer)
 
+    def _offers(self) -> list[Offer]:
+        return [one for known in self.offers.values() for one in known.values()]
+
     def _withdraw(self, offer: Offer) -> None:
-        del getattr(self, offer.what)[offer.name]
+        del self.offers[offer.what][offer.name]
         for number, one in list(self._pending.items()):
             if one.offer is offer:
                 del self._pending[number]
@@ -352,9 +362,8 @@ class Broker:
             )
         return split_style(type_name)
 
-    def _check_number(self, member: Member) -> None:
-        offers = (*self.services.values(), *self.actions.values())
-        number = sum(one.member is member for one in offers)
+    def _check_number(self, member: Outbox) -> None:
+        number = sum(one.member is member for one in self._offers())
         number += sum(member in one.publishers for one in self.topics.values())
         if number >= MOST_OFFERS:
             raise RosTypeError(

@@ -8,7 +8,6 @@ import base64
 import struct
 import zlib
 from array import array
-from collections.abc import Iterable
 from functools import cached_property
 from itertools import count
 from math import ceil, isqrt
@@ -17,10 +16,11 @@ from typing import Any, NamedTuple
 import orjson
 from websockets.frames import Frame, Opcode
 
-from station.api.rosbridge.ros_types import fields_of, in_style, serialized
-from station.records.cdr import Values
+from station.api.rosbridge.ros_types import Convert, changed, in_style, serialized
+from station.records.cdr import Field, Values
 
-COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
+TEXT_COMPRESSIONS = ("none", "png")
+COMPRESSIONS = (*TEXT_COMPRESSIONS, "cbor", "cbor-raw")
 # RFC 8746: tag and `struct` code of arrays of numbers in little-endian order.
 _TYPED_ARRAYS = {"float64": (86, "d"), "int32": (78, "i"), "uint32": (70, "I")}
 _PIXEL = 3
@@ -75,18 +75,16 @@ class Publication:
     def _make(self, form: Form) -> bytes:
         message = in_style(self._type, self._message, ros2=form.is_ros2)
         envelope = {"op": "publish", "topic": form.topic or self.topic}
+        if form.compression in TEXT_COMPRESSIONS:
+            return text_frames({**envelope, "msg": message}, form)
         if form.compression == "cbor":
-            body = _Typed(self._type, message)
-        elif form.compression == "cbor-raw":
+            content = changed(self._type, _packed, message)
+        else:
             seconds, rest = divmod(self._stamp, 1_000_000_000)
             data = serialized(self._type, self._message, ros2=form.is_ros2)
-            found = {**envelope, "msg": {"secs": seconds, "nsecs": rest, "bytes": data}}
-            return Frame(Opcode.BINARY, cbor(found)).serialize(mask=False)
-        else:
-            return text_frames({**envelope, "msg": message}, form)
-        return Frame(Opcode.BINARY, cbor({**envelope, "msg": body})).serialize(
-            mask=False
-        )
+            content = {"secs": seconds, "nsecs": rest, "bytes": data}
+        found = cbor({**envelope, "msg": content})
+        return Frame(Opcode.BINARY, found).serialize(mask=False)
 
 
 def text_frames(message: Values, form: Form) -> bytes:
@@ -140,17 +138,25 @@ def png(data: bytes) -> bytes:
     )
 
 
-class _Typed(NamedTuple):
-    """A message with its type, which determines how arrays of numbers are packed."""
+class _Tagged(NamedTuple):
+    """Data with a CBOR tag, which tells what they are."""
 
-    type_name: str
-    message: Values
+    tag: int
+    data: bytes
+
+
+def _packed(field: Field) -> Convert | None:
+    """Return the function that packs an array of numbers; None for other fields."""
+    if field.length is None or field.kind not in _TYPED_ARRAYS:
+        return None
+    tag, code = _TYPED_ARRAYS[field.kind]
+    return lambda values: _Tagged(tag, array(code, values).tobytes())
 
 
 def cbor(value: Any) -> bytes:  # noqa: ANN401 - what JSON has, and bytes
     """Return a value as CBOR."""
-    if isinstance(value, _Typed):
-        return _cbor_message(value)
+    if isinstance(value, _Tagged):
+        return _head(6, value.tag) + cbor(value.data)
     if isinstance(value, bool) or value is None:
         return {False: b"\xf4", True: b"\xf5", None: b"\xf6"}[value]
     if isinstance(value, int):
@@ -163,34 +169,9 @@ def cbor(value: Any) -> bytes:  # noqa: ANN401 - what JSON has, and bytes
         data = value.encode()
         return _head(3, len(data)) + data
     if isinstance(value, dict):
-        return _cbor_map(value.items())
+        members = (cbor(key) + cbor(one) for key, one in value.items())
+        return _head(5, len(value)) + b"".join(members)
     return _head(4, len(value)) + b"".join(cbor(one) for one in value)
-
-
-def _cbor_map(items: Iterable[tuple[str, Any]]) -> bytes:
-    found = [cbor(key) + cbor(value) for key, value in items]
-    return _head(5, len(found)) + b"".join(found)
-
-
-def _cbor_message(typed: _Typed) -> bytes:
-    fields = fields_of(typed.type_name)
-    if not fields:
-        return cbor(typed.message)
-    found = []
-    for name, value in typed.message.items():
-        field = fields[name]
-        tag, code = _TYPED_ARRAYS.get(field.kind, (0, ""))
-        if field.length is not None and tag:
-            data = array(code, value).tobytes()
-            found.append(cbor(name) + _head(6, tag) + cbor(data))
-        elif "/" in field.kind:
-            many = [value] if field.length is None else value
-            wrapped = [_Typed(field.kind, one) for one in many]
-            body = cbor(wrapped[0] if field.length is None else wrapped)
-            found.append(cbor(name) + body)
-        else:
-            found.append(cbor(name) + cbor(value))
-    return _head(5, len(found)) + b"".join(found)
 
 
 def _head(major: int, number: int) -> bytes:

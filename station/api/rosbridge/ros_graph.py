@@ -4,7 +4,6 @@ from collections import ChainMap
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from station.api.cameras import Cameras
 from station.api.rosbridge.actions import Action, StationActions
 from station.api.rosbridge.broker import Broker, Offer
 from station.api.rosbridge.ros_types import RosTypeError, split_style
@@ -12,10 +11,9 @@ from station.api.rosbridge.rosapi import Rosapi
 from station.api.rosbridge.services import RosService, StationServices
 from station.api.rosbridge.tf_republisher import TfRepublisher
 from station.api.rosbridge.topics import StationTopics, Topic
+from station.api.services import Services
 from station.core.description.urdf import Urdf
 from station.core.errors import suggest
-from station.core.facade.station import Station
-from station.events import EventLog
 from station.records.cdr import Values
 
 
@@ -23,11 +21,9 @@ class RosGraph:
     """The present topics, services and actions. Use it in one event loop only.
 
     Args:
-        station: The station.
+        services: The services of the API.
         urdf: The robot, for transforms; None sends no transforms.
         texts: Text by topic, such as `/robot_description`.
-        log: The event log.
-        cameras: The station's cameras.
         publish: Publishes a message: topic, type, message.
 
     Attributes:
@@ -43,29 +39,25 @@ class RosGraph:
 
     def __init__(
         self,
-        station: Station,
+        services: Services,
         urdf: Urdf | None,
         texts: Mapping[str, str],
-        log: EventLog,
-        cameras: Cameras,
         publish: Callable[[str, str, Values], None],
     ) -> None:
-        self.station = station
+        self.station = station = services.station
         self.broker = Broker(publish)
-        self.topics: ChainMap[str, Topic] = ChainMap({}, self.broker.topics)  # type: ignore[arg-type]  # read alone
-        self.services: ChainMap[str, RosService | Offer] = ChainMap({})
-        self.services.maps.append(self.broker.services)  # type: ignore[arg-type]  # read alone
-        self.actions: ChainMap[str, Action | Offer] = ChainMap({})
-        self.actions.maps.append(self.broker.actions)  # type: ignore[arg-type]  # read alone
-        self.clock = StationTopics(station, urdf, texts, log, cameras)
+        topics: Any = self.broker.topics
+        offers: dict[str, Any] = self.broker.offers
+        self.topics = ChainMap[str, Topic]({}, topics)
+        self.services = ChainMap[str, RosService | Offer]({}, offers["services"])
+        self.actions = ChainMap[str, Action | Offer]({}, offers["actions"])
+        self.clock = StationTopics(services, urdf, texts)
         self.goals = StationActions(station, self.clock, publish)
         self._services = StationServices(station, self.clock)
         self._rosapi = Rosapi(self)
-        self._republisher = None
+        self._republishers: list[TfRepublisher] = []
         if urdf is not None:
-            self._republisher = TfRepublisher(
-                urdf, self.clock, station.joint_names, self._add
-            )
+            self._republishers = [TfRepublisher(urdf, self.clock, self._add)]
         self._known: list[tuple[str, str]] = []
 
     def _add(self, topic: Topic) -> None:
@@ -81,10 +73,10 @@ class RosGraph:
         actions, own = list(self.goals.all()), self.topics.maps[0]
         topics = list(self.clock.all())
         services = [*self._services.all(), *self._rosapi.all()]
-        if self._republisher is not None:
-            actions.append(self._republisher.action)
-            services.append(self._republisher.service)
-            topics += self._republisher.topics()
+        for one in self._republishers:
+            actions.append(one.action)
+            services.append(one.service)
+            topics += one.topics()
         self.actions.maps[0] = {one.name: one for one in actions}
         for action in actions:
             topics += self.goals.topics_of(action)

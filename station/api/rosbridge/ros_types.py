@@ -13,29 +13,29 @@ import base64
 import binascii
 import struct
 import sys
-from collections.abc import Iterator, Mapping, ValuesView
-from functools import cache
+from collections.abc import Callable, Iterable, Mapping, ValuesView
+from dataclasses import fields, is_dataclass
+from functools import cache, partial
 from importlib.resources import files
-from math import isfinite
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeGuard
 
 from station.core.errors import StationError, suggest
-from station.records.cdr import PRIMITIVES, Field, MessageType, Values, read_fields
+from station.records.cdr import (
+    ENCAPSULATION,
+    PRIMITIVES,
+    Field,
+    Values,
+    read_fields,
+)
 from station.records.messages import header
 
 _SEPARATOR = "=" * 80 + "\n"
-# `struct` codes of seconds and nanoseconds in a message of ROS 1.
-_TIMES = {"time": "I", "duration": "i"}
-_RANGES = {
-    "int8": (-(2**7), 2**7 - 1),
-    "uint8": (0, 2**8 - 1),
-    "uint16": (0, 2**16 - 1),
-    "int32": (-(2**31), 2**31 - 1),
-    "uint32": (0, 2**32 - 1),
-    "int64": (-(2**63), 2**63 - 1),
-    "uint64": (0, 2**64 - 1),
-}
-_LARGEST = {"float32": 3.4e38, "float64": sys.float_info.max}
+_TIMES = dict.fromkeys(("time", "duration"), read_fields("int32 sec\nuint32 nanosec"))
+_SIZES = (8, 16, 32, 64)
+_INTEGERS = {f"uint{n}": (0, 2**n - 1) for n in _SIZES}
+_INTEGERS |= {f"int{n}": (-(2 ** (n - 1)), 2 ** (n - 1) - 1) for n in _SIZES}
+_FLOATS = {"float32": 3.4e38, "float64": sys.float_info.max}
+_WORDS = {"string": (str, "a text"), "bool": (bool, "true or false")}
 _MOST_DEPTH = 30
 """Most nested levels of a message whose type only clients know."""
 _MIDDLES = {"msg", "srv", "action"}
@@ -69,15 +69,15 @@ class RosType:
         self.constants = dict(line.split("=", 1) for line in lines)
 
 
-def _read_all() -> tuple[dict[str, RosType], dict[str, str]]:
-    """Return the message types by name, and the kinds of interfaces by name."""
+def _read_all() -> tuple[dict[str, RosType], list[str]]:
+    """Return the message types by name, and the names of all interfaces in ROS 2."""
     types: dict[str, RosType] = {}
-    kinds: dict[str, str] = {}
+    interfaces: list[str] = []
     text = files(__package__).joinpath("ros_interfaces.txt").read_text("utf-8")
     for section in text.split(_SEPARATOR)[1:]:
         title, _, body = section.partition("\n")
         kind, _, name = title.partition(": ")
-        kinds[f"{kind} {name}"] = kind
+        interfaces.append(name.replace("/", f"/{kind.lower()}/"))
         parts = dict(zip(_PARTS[kind], body.split("---\n"), strict=True))
         if kind == "ACTION":
             id_head = "std_msgs/Header header\nactionlib_msgs/GoalID goal_id\n"
@@ -86,7 +86,7 @@ def _read_all() -> tuple[dict[str, RosType], dict[str, str]]:
             parts["ActionFeedback"] = f"{_ACTION_HEAD}{name}Feedback feedback\n"
         for suffix, part in parts.items():
             types[name + suffix] = RosType(name + suffix, part)
-    return types, kinds
+    return types, interfaces
 
 
 _PARTS = {
@@ -94,7 +94,7 @@ _PARTS = {
     "SRV": ("Request", "Response"),
     "ACTION": ("Goal", "Result", "Feedback"),
 }
-_TYPES, _KINDS = _read_all()
+_TYPES, INTERFACES = _read_all()
 
 
 # Names of packages that differ in ROS 2.
@@ -127,16 +127,16 @@ def find_type(name: str) -> RosType:
     return found
 
 
+def type_named(package: str, name: str) -> str:
+    """Return the type with the name of a service, e.g. LoadController."""
+    words = (word[0].upper() + word[1:] for word in name.split("_"))
+    return f"{package}/{''.join(words)}"
+
+
 def fields_of(type_name: str) -> dict[str, Field]:
     """Return a type's fields by name in their order; empty for types of clients."""
     known = _TYPES.get(type_name)
     return {} if known is None else {field.name: field for field in known.fields}
-
-
-def interfaces() -> list[str]:
-    """Return the names of all interfaces in ROS 2's style: `std_srvs/srv/Trigger`."""
-    found = (key.split() for key in _KINDS)
-    return [name.replace("/", f"/{kind.lower()}/") for kind, name in found]
 
 
 def checked(type_name: str, values: object, where: str = "msg") -> Values:
@@ -170,7 +170,7 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
     return {
         field.name: _checked_field(field, values[field.name], f"{where}/{field.name}")
         if field.name in values
-        else _default(field)
+        else _default(field.kind, field.length)
         for field in kind.fields
         # Drop the `seq` of a header: ROS 2 has none, and for ROS 1 a new one is made.
         if kind.name != _HEADER or field.name != "seq"
@@ -218,34 +218,36 @@ def _checked_one(kind: str, value: object, where: str) -> object:
     """
     if kind in _TIMES:
         return _checked_time(kind, value, where)
-    if kind in _LARGEST:
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        # The comparison is false for NaN.
-        if not (is_number and abs(value) <= _LARGEST[kind]):  # type: ignore[arg-type]  # a number
-            _refuse(where, value, f"a number ({kind})")
-        return float(value)  # type: ignore[arg-type]  # a number
-    if kind == "string" or kind == "bool":
-        wanted = str if kind == "string" else bool
-        if not isinstance(value, wanted):
-            _refuse(where, value, "a text" if wanted is str else "true or false")
-        return value
-    if kind in _RANGES:
+    if kind in _INTEGERS:
         return _checked_integer(kind, value, where)
+    if kind in _FLOATS:
+        # The comparison is false for NaN.
+        if not (_is_number(value) and abs(value) <= _FLOATS[kind]):
+            _refuse(where, value, f"a number ({kind})")
+        return float(value)
+    if kind in _WORDS:
+        python, wanted = _WORDS[kind]
+        if not isinstance(value, python):
+            _refuse(where, value, wanted)
+        return value
     return checked(kind, value, where)
+
+
+def _is_number(value: object) -> TypeGuard[int | float]:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _checked_integer(kind: str, value: object, where: str) -> int:
     # Headers of roslibpy have the `seq` null.
     if value is None:
         return 0
-    low, high = _RANGES[kind]
-    if isinstance(value, float) and isfinite(value) and value == int(value):
-        value = int(value)
-    if isinstance(value, bool) or not isinstance(value, int):
+    low, high = _INTEGERS[kind]
+    # The remainder of what is not finite is not a number.
+    if not _is_number(value) or value % 1 != 0:
         _refuse(where, value, f"a whole number ({kind})")
     if not low <= value <= high:
         _refuse(where, value, f"{low} to {high} ({kind})")
-    return value
+    return int(value)
 
 
 def _checked_time(kind: str, value: object, where: str) -> Values:
@@ -259,15 +261,14 @@ def _checked_time(kind: str, value: object, where: str) -> Values:
         "secs", "nsecs", "sec", "nanosec",
     }:  # fmt: skip
         _refuse(where, value, f"a {kind}: secs and nsecs, or sec and nanosec")
-    seconds, rest = given.get("secs", given.get("sec")), given.get("nsecs")
-    rest = given.get("nanosec") if rest is None else rest
-    found = time_of(
-        _checked_integer("int32", seconds, f"{where}/secs") * 1_000_000_000
-        + _checked_integer("int32", rest, f"{where}/nsecs")
+    seconds, rest = (
+        _checked_integer("int32", given.get(ros1, given.get(ros2)), f"{where}/{ros1}")
+        for ros1, ros2 in (("secs", "sec"), ("nsecs", "nanosec"))
     )
-    least = 0 if kind == "time" else _RANGES["int32"][0]
-    if not least <= found["sec"] <= _RANGES["int32"][1]:
-        _refuse(f"{where}/secs", seconds, f"{least} to {_RANGES['int32'][1]}")
+    found = time_of(seconds * 1_000_000_000 + rest)
+    least, most = 0 if kind == "time" else _INTEGERS["int32"][0], _INTEGERS["int32"][1]
+    if not least <= found["sec"] <= most:
+        _refuse(f"{where}/secs", seconds, f"{least} to {most}")
     return found
 
 
@@ -290,26 +291,22 @@ def _shown(value: object) -> str:
     return repr(value)[:60]
 
 
-def _default(field: Field) -> object:
-    if field.length is not None:
-        return [_default_of(field.kind) for _ in range(max(field.length, 0))]
-    return _default_of(field.kind)
-
-
-def _default_of(kind: str) -> object:
+def _default(kind: str, length: int | None = None) -> object:
+    if length is not None:
+        return [_default(kind) for _ in range(max(length, 0))]
     if kind in _TIMES:
-        return {"sec": 0, "nanosec": 0}
+        return time_of(0)
     if kind in _TYPES:
         return checked(kind, {})
     return {"string": "", "bool": False, "float32": 0.0, "float64": 0.0}.get(kind, 0)
 
 
-def filled(type_name: str, source: Mapping[str, Any], stamp: int) -> Values:
+def filled(type_name: str, source: Mapping[str, Any], stamp: int = 0) -> Values:
     """Return a message filled with the values of a report of the same names.
 
     In the report, a vector or quaternion may be a list, and flags may be the list of
     the names that are true. A nested message without a value of its own in the report
-    is filled from the whole report.
+    is filled from the whole report; a list of messages may be a list of dataclasses.
 
     Args:
         type_name: Type of the message.
@@ -318,25 +315,41 @@ def filled(type_name: str, source: Mapping[str, Any], stamp: int) -> Values:
     """
     message: Values = {}
     for field in _TYPES[type_name].fields:
-        if field.kind == _HEADER:
-            message[field.name] = header(stamp, source.get("frame_id", ""))
-        elif field.length is not None or field.kind not in _TYPES:
-            value = source.get(field.name)
-            message[field.name] = _default(field) if value is None else value
-            if field.kind in _TIMES and isinstance(value, float):
-                message[field.name] = time_of(round(value * 1e9))
-        else:
-            inner = source.get(field.name, source)
-            names = [one.name for one in _TYPES[field.kind].fields]
-            if isinstance(inner, list | tuple):
-                is_flags = all(isinstance(one, str) for one in inner)
-                inner = (
-                    {name: name in inner for name in names}
-                    if is_flags
-                    else dict(zip(names, inner, strict=False))
-                )
-            message[field.name] = filled(field.kind, inner, stamp)
+        kind, value = field.kind, source.get(field.name)
+        if kind == _HEADER:
+            value = header(stamp, source.get("frame_id", ""))
+        elif kind in _TYPES and field.length is None:
+            value = filled(
+                kind, _named(kind, source if value is None else value), stamp
+            )
+        elif value is None:
+            value = _default(kind, field.length)
+        elif kind in _TIMES and isinstance(value, float):
+            value = time_of(round(value * 1e9))
+        elif kind in _TYPES:
+            value = [
+                filled(kind, facts_of(one), stamp) if is_dataclass(one) else one
+                for one in value
+            ]
+        message[field.name] = value
     return message
+
+
+def _named(
+    type_name: str, values: Mapping[str, Any] | list[Any] | tuple[Any, ...]
+) -> Mapping[str, Any]:
+    """Return the values of a message by name; in a report, they may be in a list."""
+    if isinstance(values, Mapping):
+        return values
+    names = [field.name for field in _TYPES[type_name].fields]
+    if all(isinstance(one, str) for one in values):
+        return {name: name in values for name in names}
+    return dict(zip(names, values, strict=False))
+
+
+def facts_of(report: Any) -> dict[str, Any]:  # noqa: ANN401 - a dataclass
+    """Return the fields of a report, which is a dataclass, by name."""
+    return {one.name: getattr(report, one.name) for one in fields(report)}
 
 
 def time_of(nanoseconds: int) -> dict[str, int]:
@@ -345,38 +358,54 @@ def time_of(nanoseconds: int) -> dict[str, int]:
     return {"sec": seconds, "nanosec": rest}
 
 
+Convert = Callable[[Any], Any]
+"""Function that returns the new value of a field."""
+Change = Callable[[Field], Convert | None]
+"""Function that returns how the values of a field change; None if they do not."""
+
+
+def changed(type_name: str, change: Change, message: Values) -> Values:
+    """Return a message with a change made to its fields, and to messages in it.
+
+    Args:
+        type_name: Its type; messages of types of clients do not change.
+        change: The change.
+        message: The message.
+    """
+    if type_name not in _TYPES:
+        return message
+    functions = _functions(type_name, change).items()
+    return message | {name: convert(message.get(name)) for name, convert in functions}
+
+
 @cache
-def _changes(kind: str) -> bool:
-    """Return whether the form of a type differs between ROS 1 and ROS 2."""
-    if kind in _TIMES or kind == _HEADER:
-        return True
-    found = _TYPES.get(kind)
-    return found is not None and any(_changes(field.kind) for field in found.fields)
+def _functions(type_name: str, change: Change) -> dict[str, Convert]:
+    """Return the functions that change the fields of a type, by name."""
+    found: dict[str, Convert] = {}
+    for field in _TYPES[type_name].fields:
+        convert = change(field)
+        if field.kind in _TYPES and _functions(field.kind, change):
+            inner = partial(changed, field.kind, change)
+            convert = inner if field.length is None else partial(_each, inner)
+        if convert is not None:
+            found[field.name] = convert
+    return found
+
+
+def _each(convert: Convert, values: Iterable[Any]) -> list[Any]:
+    return [convert(one) for one in values]
 
 
 def in_style(type_name: str, message: Values, *, ros2: bool) -> Values:
     """Return a message in the form of ROS 2 or of ROS 1."""
-    # Do not call `_changes` for types of clients, because it caches every result.
-    if ros2 or type_name not in _TYPES or not _changes(type_name):
-        return message
-    return _as_ros1(type_name, message)
+    return message if ros2 else changed(type_name, _as_ros1, message)
 
 
-def _as_ros1(type_name: str, message: Values) -> Values:
-    return {**message, **dict(_ros1_changes(type_name, message))}
-
-
-def _ros1_changes(type_name: str, message: Values) -> Iterator[tuple[str, object]]:
-    for field in _TYPES[type_name].fields:
-        kind, value = field.kind, message.get(field.name)
-        if field.name == "seq" and type_name == _HEADER:
-            yield "seq", value or 0
-        elif kind in _TIMES:
-            yield field.name, {"secs": value["sec"], "nsecs": value["nanosec"]}  # type: ignore[index]  # a time
-        elif kind in _TYPES and _changes(kind) and value is not None:
-            many = field.length is not None
-            found = [_as_ros1(kind, one) for one in (value if many else [value])]
-            yield field.name, found if many else found[0]
+def _as_ros1(field: Field) -> Convert | None:
+    if field.kind in _TIMES:
+        return lambda time: {"secs": time["sec"], "nsecs": time["nanosec"]}
+    # Only headers have a `seq`.
+    return (lambda seq: seq or 0) if field.name == "seq" else None
 
 
 def serialized(type_name: str, message: Values, *, ros2: bool) -> bytes:
@@ -385,46 +414,34 @@ def serialized(type_name: str, message: Values, *, ros2: bool) -> bytes:
     Raises:
         struct.error: A value does not fit its field.
     """
-    if ros2:
-        return message_type(type_name).encode(message)
-    found = bytearray()
-    _pack(type_name, message, found)
-    return bytes(found)
+    data = bytearray()
+    _append(data, type_name, message, ros2=ros2)
+    return bytes(ENCAPSULATION + data if ros2 else data)
 
 
-def _pack(kind: str, value: Any, found: bytearray) -> None:  # noqa: ANN401 - as its field
-    """Append a value to a message of ROS 1, which has no alignment."""
-    if kind in _TIMES:
-        code = _TIMES[kind]
-        found += struct.pack(f"<{code}{code}", value["sec"], value["nanosec"])
+def _append(data: bytearray, kind: str, value: Any, *, ros2: bool) -> None:  # noqa: ANN401 - as its field
+    """Append a value; CDR aligns every number, and ends a text with a zero."""
+    if kind in PRIMITIVES:
+        code = PRIMITIVES[kind]
+        if ros2:
+            data += bytes(-len(data) % struct.calcsize(code))
+        data += struct.pack(f"<{code}", value)
     elif kind == "string":
-        data = value.encode()
-        found += struct.pack("<I", len(data)) + data
-    elif kind in PRIMITIVES:
-        found += struct.pack(f"<{PRIMITIVES[kind]}", value)
+        text = value.encode() + b"\0" * ros2
+        _append(data, "uint32", len(text), ros2=ros2)
+        data += text
     else:
-        for field in _TYPES[kind].fields:
+        for field in _TIMES.get(kind) or _TYPES[kind].fields:
+            if field.name == "seq" and ros2:
+                continue  # headers of ROS 2 have none
             one = value.get(field.name, 0)
             if field.length == -1:
-                found += struct.pack("<I", len(one))
+                _append(data, "uint32", len(one), ros2=ros2)
             if isinstance(one, bytes):
-                found += one
+                data += one
                 continue
             for each in [one] if field.length is None else one:
-                _pack(field.kind, each, found)
-
-
-@cache
-def message_type(type_name: str) -> MessageType:
-    """Return a message type of ROS 2, with the definitions of all types in it."""
-    names = [type_name, *_parts_of(type_name)]
-    texts = [_ros2_text(_TYPES[name]) for name in names]
-    for kind in _TIMES:
-        names.append(f"builtin_interfaces/{kind.capitalize()}")
-        texts.append("int32 sec\nuint32 nanosec\n")
-    parts = zip(names[1:], texts[1:], strict=True)
-    text = texts[0] + "".join(f"{_SEPARATOR}MSG: {n}\n{t}" for n, t in parts)
-    return MessageType(type_name.replace("/", "/msg/"), text)
+                _append(data, field.kind, each, ros2=ros2)
 
 
 def _parts_of(type_name: str) -> list[str]:
@@ -434,19 +451,6 @@ def _parts_of(type_name: str) -> list[str]:
         if field.kind in _TYPES:
             found |= dict.fromkeys([field.kind, *_parts_of(field.kind)])
     return list(found)
-
-
-def _ros2_text(kind: RosType) -> str:
-    lines = []
-    for field in kind.fields:
-        if kind.name == _HEADER and field.name == "seq":
-            continue
-        name = field.kind
-        if name in _TIMES:
-            name = f"builtin_interfaces/{name.capitalize()}"
-        size = {None: "", -1: "[]"}.get(field.length, f"[{field.length}]")
-        lines.append(f"{name}{size} {field.name}\n")
-    return "".join(lines)
 
 
 def type_definitions(type_name: str) -> list[Values]:
@@ -468,7 +472,7 @@ def type_definitions(type_name: str) -> list[Values]:
                 for field in kind.fields
             ],
             "examples": [
-                str([] if field.length is not None else _default_of(field.kind))
+                str([] if field.length is not None else _default(field.kind))
                 if field.kind not in _TYPES
                 else "{}"
                 for field in kind.fields

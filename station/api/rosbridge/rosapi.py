@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Any
 from station.api.auth import Role
 from station.api.rosbridge.broker import ClientTopic, Offer
 from station.api.rosbridge.ros_types import (
-    interfaces,
+    INTERFACES,
     split_style,
     time_of,
     type_definitions,
+    type_named,
 )
 from station.api.rosbridge.services import RosService
 from station.api.rosbridge.topics import Topic
@@ -34,11 +35,6 @@ _NODES = ["/station", "/rosapi", "/rosbridge_websocket"]
 _DISTRIBUTION = {"rosdistro": "noetic\n"}
 MOST_CHARACTERS = 100_000
 """Largest size of the parameters of all clients together, as JSON [characters]."""
-_DETAILS = {
-    "message": ("",),
-    "service": ("Request", "Response"),
-    "action": ("Goal", "Result", "Feedback"),
-}
 _Known = Mapping[str, Any]
 _Answer = Callable[[Values], Mapping[str, object] | None]
 
@@ -58,14 +54,14 @@ class Rosapi:
     def all(self) -> Iterator[RosService]:
         """Yield the services of rosapi."""
         for name, answer in self._answers().items():
-            kind = "".join(word.capitalize() for word in name.split("_"))
-            kind = {"ActionServers": "GetActionServers"}.get(kind, kind)
+            kind = type_named("rosapi", name)
+            kind = {"rosapi/ActionServers": "rosapi/GetActionServers"}.get(kind, kind)
             call = partial(_without_client, answer)
-            yield RosService(f"/rosapi/{name}", f"rosapi/{kind}", call)
-        for kind, change in (("Set", self._set), ("Delete", self._delete)):
+            yield RosService(f"/rosapi/{name}", kind, call)
+        for name, change in (("set_param", self._set), ("delete_param", self._delete)):
             yield RosService(
-                f"/rosapi/{kind.lower()}_param",
-                f"rosapi/{kind}Param",
+                f"/rosapi/{name}",
+                type_named("rosapi", name),
                 change,
                 changes=True,
                 is_free=self._is_clients,
@@ -83,23 +79,30 @@ class Rosapi:
 
     def _answers(self) -> dict[str, _Answer]:
         there = self._there_is
-        typed: dict[str, _Known] = {
-            "topics": there.topics,
-            "services": there.services,
-        }
-        found: dict[str, _Answer] = {
+        return {
             "topics": lambda _: _names_and_types(there.topics),
             "topics_and_raw_types": lambda _: {
                 **_names_and_types(there.topics),
                 "typedefs_full_text": [""] * len(there.topics),
             },
+            "topics_for_type": lambda q: {"topics": _of_type(there.topics, q)},
+            "topic_type": lambda q: {"type": _type_of(there.topics, q["topic"])},
             "publishers": lambda q: {"publishers": self._users(q["topic"], 0)},
             "subscribers": lambda q: {"subscribers": self._users(q["topic"], 1)},
             "services": lambda _: {"services": list(there.services)},
+            "services_for_type": lambda q: {"services": _of_type(there.services, q)},
+            "service_type": lambda q: {"type": _type_of(there.services, q["service"])},
             "service_node": lambda q: {"node": "".join(self._providers(q["service"]))},
             "service_providers": lambda q: {"providers": self._providers(q["service"])},
             "action_servers": lambda _: {"action_servers": list(there.actions)},
-            "interfaces": lambda _: {"interfaces": interfaces()},
+            "action_type": lambda q: {"type": _type_of(there.actions, q["action"])},
+            "interfaces": lambda _: {"interfaces": INTERFACES},
+            "message_details": partial(_details, ""),
+            "service_request_details": partial(_details, "Request"),
+            "service_response_details": partial(_details, "Response"),
+            "action_goal_details": partial(_details, "Goal"),
+            "action_result_details": partial(_details, "Result"),
+            "action_feedback_details": partial(_details, "Feedback"),
             "nodes": lambda _: {"nodes": _NODES},
             "node_details": self._node_details,
             "get_param_names": lambda _: {"names": [f"/{n}" for n in self._names()]},
@@ -111,16 +114,6 @@ class Rosapi:
             },
             "get_time": lambda _: {"time": time_of(there.clock.now())},
         }
-        for what, known in typed.items():
-            found[f"{what}_for_type"] = partial(_of_type, what, known)
-        typed["actions"] = there.actions
-        for what, known in typed.items():
-            found[f"{what[:-1]}_type"] = partial(_type_of, what[:-1], known)
-        for prefix, suffixes in _DETAILS.items():
-            for suffix in suffixes:
-                name = "_".join(filter(None, (prefix, suffix.lower(), "details")))
-                found[name] = partial(_details, suffix)
-        return found
 
     def _users(self, name: str, role: int) -> list[str]:
         """Return the nodes that publish (role 0) or subscribe to (role 1) a topic."""
@@ -213,14 +206,13 @@ def _names_and_types(topics: Mapping[str, Topic]) -> Values:
     return {"topics": list(topics), "types": [one.type for one in topics.values()]}
 
 
-def _of_type(what: str, known: _Known, request: Values) -> Values:
+def _of_type(known: _Known, request: Values) -> list[str]:
     wanted = split_style(request["type"])[0]
-    return {what: [name for name, one in known.items() if one.type == wanted]}
+    return [name for name, one in known.items() if one.type == wanted]
 
 
-def _type_of(key: str, known: _Known, request: Values) -> Values:
-    found = known.get(request[key])
-    return {"type": "" if found is None else found.type}
+def _type_of(known: _Known, name: str) -> str:
+    return known[name].type if name in known else ""
 
 
 def _details(suffix: str, request: Values) -> Values:

@@ -45,14 +45,7 @@ class RosbridgePort(ToolPort[RosbridgeSession]):
     ) -> None:
         super().__init__(app, place)
         services: Services = app.state.services
-        self._graph = RosGraph(
-            services.station,
-            urdf,
-            texts,
-            services.event_recorder.log,
-            services.cameras,
-            self._publish,
-        )
+        self._graph = RosGraph(services, urdf, texts, self._publish)
         self._ticks = 0
         self._cycle = 0
 

@@ -4,13 +4,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from pydantic import ValidationError
-
-from station import wire
-from station.api.rosbridge.ros_types import RosTypeError
+from station.api.rosbridge.ros_types import RosTypeError, facts_of, type_named
 from station.api.rosbridge.topics import (
     StationTopics,
-    arm_namespace,
+    arms_of,
     loaded_controllers,
     seconds_of,
 )
@@ -22,17 +19,15 @@ from station.core.control.switching import Strictness, SwitchRequest
 from station.core.facade.station import Station
 from station.core.franka import FrankaServices
 from station.core.franka.arms import Arms
+from station.core.hardware.services import ServiceKind
 from station.records.cdr import Values
 
-_CONTROLLER_MANAGER = "/controller_manager"
 _GROUP = {"name": "Default", "state": True, "id": 0, "parent": 0}
-_SETTINGS = {
-    "set_EE_frame": "SetEEFrame",
-    "set_K_frame": "SetKFrame",
-    "set_load": "SetLoad",
-    "set_cartesian_impedance": "SetCartesianImpedance",
-    "set_joint_impedance": "SetJointImpedance",
-}
+_TRIGGER = "std_srvs/Trigger"
+_THRESHOLDS = (
+    "set_force_torque_collision_behavior",
+    "set_full_collision_behavior",
+)
 Call = Callable[[ToolClient, Values], Mapping[str, object] | None]
 
 
@@ -47,17 +42,17 @@ class RosService:
             thread. It returns the response without the fields that tell the success.
         changes: Whether it changes the station, so that it needs an operator whom the
             lease allows.
-        is_quick: Whether `call` returns at once, so that it needs no thread.
+        blocks: Whether `call` may block, so that it needs a thread.
         is_free: Function that returns whether a given request leaves the station
-            unchanged; None if every request changes it.
+            unchanged.
     """
 
     name: str
     type: str
     call: Call
     changes: bool = False
-    is_quick: bool = False
-    is_free: Callable[[ToolClient, Values], bool] | None = None
+    blocks: bool = True
+    is_free: Callable[[ToolClient, Values], bool] = lambda _, __: False
 
 
 class StationServices:
@@ -75,13 +70,21 @@ class StationServices:
     def all(self) -> Iterator[RosService]:
         """Yield the present services, besides those of rosapi."""
         yield from self._of_manager()
-        trigger = "std_srvs/Trigger"
-        yield RosService("/stop", trigger, self._stop, is_quick=True)
+        yield RosService("/stop", _TRIGGER, self._stop, blocks=False)
         for name, arm in (("release", False), ("arm", True)):
-            call = partial(self._release, arm)
-            yield RosService(f"/stop/{name}", trigger, call, changes=True)
-        for arm_id in self._station.robots.names(FrankaServices):
-            yield from self._of_arm(arm_id)
+            call: Call = partial(self._release, arm)
+            yield RosService(f"/stop/{name}", _TRIGGER, call, changes=True)
+        for arm_id, space in arms_of(self._station):
+            for name in _THRESHOLDS:
+                kind = type_named("franka_msgs", name)
+                call = partial(self._set_thresholds, arm_id)
+                yield RosService(f"{space}/{name}", kind, call, changes=True)
+            for name, service in FrankaServices.services().items():
+                if service.kind is not ServiceKind.QUERY:
+                    own = type_named("franka_msgs", name)
+                    kind = own if service.parameters else _TRIGGER
+                    call = partial(self._call_arm, arm_id, name)
+                    yield RosService(f"{space}/{name}", kind, call, changes=True)
         for name, _, controller in loaded_controllers(self._station):
             yield from self._of_controller(name, controller)
 
@@ -94,34 +97,8 @@ class StationServices:
             ("switch_controller", self._switch, True),
             ("reload_controller_libraries", self._reload, True),
         ):
-            kind = "".join(word.capitalize() for word in name.split("_"))
-            yield RosService(
-                f"{_CONTROLLER_MANAGER}/{name}",
-                f"controller_manager_msgs/{kind}",
-                call,
-                changes,
-            )
-
-    def _of_arm(self, arm_id: str) -> Iterator[RosService]:
-        space = arm_namespace(self._station, arm_id)
-        for name, kind in _SETTINGS.items():
-            call = partial(self._call_arm, arm_id, name)
-            yield RosService(
-                f"{space}/{name}", f"franka_msgs/{kind}", call, changes=True
-            )
-        for name, kind, model in (
-            ("force_torque", "ForceTorque", wire.ForceTorqueCollisionBehavior),
-            ("full", "Full", wire.FullCollisionBehavior),
-        ):
-            yield RosService(
-                f"{space}/set_{name}_collision_behavior",
-                f"franka_msgs/Set{kind}CollisionBehavior",
-                partial(self._set_collision_behavior, arm_id, model),
-                changes=True,
-            )
-        for name in ("connect", "disconnect"):
-            call = partial(self._call_arm, arm_id, name)
-            yield RosService(f"{space}/{name}", "std_srvs/Trigger", call, changes=True)
+            kind = type_named("controller_manager_msgs", name)
+            yield RosService(f"/controller_manager/{name}", kind, call, changes)
 
     def _of_controller(
         self, name: str, controller: ControllerBase
@@ -146,23 +123,7 @@ class StationServices:
             )
 
     def _list(self, _: ToolClient, __: Values) -> Values:
-        return {
-            "controller": [
-                {
-                    "name": status.name,
-                    "state": status.state.value,
-                    "type": status.type,
-                    "claimed_resources": [
-                        {
-                            "hardware_interface": one.hardware_interface,
-                            "resources": list(one.resources),
-                        }
-                        for one in status.claimed_resources
-                    ],
-                }
-                for status in self._station.controllers()
-            ]
-        }
+        return {"controller": self._station.controllers()}
 
     def _types(self, _: ToolClient, __: Values) -> Values:
         found = self._station.manager.describe_controller_types()
@@ -209,37 +170,27 @@ class StationServices:
     def _call_arm(self, arm_id: str, name: str, _: ToolClient, request: Values) -> None:
         call_service(self._station, arm_id, name, request)
 
-    def _set_collision_behavior(
-        self,
-        arm_id: str,
-        model: type[wire.ForceTorqueCollisionBehavior],
-        _: ToolClient,
-        request: Values,
-    ) -> None:
-        """Set the thresholds of contact and collision.
-
-        Raises:
-            RosTypeError: A threshold is not allowed.
-        """
-        try:
-            wanted = model.model_validate(request)
-        except ValidationError as error:
-            first = error.errors()[0]
-            where = "/".join(str(part) for part in first["loc"])
-            raise RosTypeError(f"'args/{where}': {first['msg']}.") from error
-        behavior = collision_thresholds(wanted)
+    def _set_thresholds(self, arm_id: str, _: ToolClient, request: Values) -> None:
+        behavior = collision_thresholds(request)
         Arms(self._station.robots).set_collision_behavior(arm_id, behavior)
 
     def _query_state(self, name: str, _: ToolClient, request: Values) -> Values:
+        """Return the desired state at a time; at the present time for a time of zero.
+
+        Raises:
+            RosTypeError: The time is before the start of the station.
+            StationError: The controller has no desired state for the time.
+        """
         asked = seconds_of(request["time"])
-        when = asked - self._topics.origin / 1e9 if asked else None
-        state = self._station.motion.query_state(name, when)
-        return {
-            "name": list(self._station.manager.get_controller(name).joint_names),
-            "position": list(state.position),
-            "velocity": list(state.velocity),
-            "acceleration": list(state.acceleration),
-        }
+        when = asked - self._topics.origin / 1e9
+        if asked and when < 0.0:
+            raise RosTypeError(
+                f"'args/time' is {-when:.3f} s before the start of the station.",
+                remedy="Ask for a time since then; 0 is the present time.",
+            )
+        state = self._station.motion.query_state(name, when if asked else None)
+        names = self._station.manager.get_controller(name).joint_names
+        return facts_of(state) | {"name": list(names)}
 
     def _reconfigure(
         self, name: str, prefix: str, _: ToolClient, request: Values
@@ -269,5 +220,4 @@ class StationServices:
             for key, value in values
             if key.startswith(prefix)
         ]
-        empty: Values = {"bools": [], "ints": [], "strs": []}
-        return {"config": {**empty, "doubles": doubles, "groups": [_GROUP]}}
+        return {"config": {"doubles": doubles, "groups": [_GROUP]}}

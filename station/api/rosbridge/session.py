@@ -11,20 +11,30 @@ import inspect
 import json
 import logging
 import time
-from collections.abc import Awaitable, Callable, Coroutine, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import anyio.to_thread
 import orjson
 
 from station.api.auth import Access, Role
-from station.api.rosbridge.actions import ROS2, Action, Progress
-from station.api.rosbridge.broker import PATIENCE, Answer, ClientTopic, Offer
+from station.api.json_route import DoubleNameError, check_names
+from station.api.rosbridge.actions import Action
+from station.api.rosbridge.broker import (
+    ANSWERED,
+    Answer,
+    ClientTopic,
+    Offer,
+)
 from station.api.rosbridge.outbox import LEVELS, Outbox, Subscription
-from station.api.rosbridge.publication import COMPRESSIONS, Form, Publication
+from station.api.rosbridge.publication import (
+    COMPRESSIONS,
+    TEXT_COMPRESSIONS,
+    Form,
+    Publication,
+)
 from station.api.rosbridge.ros_graph import RosGraph, path_of
 from station.api.rosbridge.ros_types import (
     RosTypeError,
@@ -37,7 +47,7 @@ from station.api.rosbridge.ros_types import (
 from station.api.rosbridge.services import RosService
 from station.api.rosbridge.topics import LATCHED, Topic
 from station.api.streams.broadcaster import PORT
-from station.api.tool_port import ToolClient, report_fault
+from station.api.tool_port import ToolClient, reason_of, report_fault
 from station.core.errors import StationError
 from station.records.cdr import Values
 
@@ -71,14 +81,25 @@ class Message(dict[str, Any]):
         data: JSON text.
 
     Raises:
-        RosTypeError: The text is no JSON object.
+        RosTypeError: The text is no JSON object, or names a field twice.
     """
 
     def __init__(self, data: str | bytes) -> None:
+        text = data.encode() if isinstance(data, str) else data
         try:
-            found = orjson.loads(data)
-        except ValueError as error:
-            found = _with_nan(data, error)
+            found = _read(text)
+            # Refuse what cannot be passed on, such as half a character.
+            written = orjson.dumps(found)
+            # orjson keeps the last of two values of a key, so that fewer colons are
+            # written. Python's parser finds the key, but takes ten times longer.
+            if text.count(b":") != written.count(b":"):
+                check_names(text)
+        except DoubleNameError as error:
+            raise RosTypeError(
+                f"The message {error}.", remedy="Give each key once."
+            ) from error
+        except (ValueError, TypeError) as error:
+            raise RosTypeError(f"The message is not JSON: {error}.") from error
         if not isinstance(found, dict):
             raise RosTypeError("The message is not a JSON object.")
         super().__init__(found)
@@ -89,6 +110,8 @@ class Message(dict[str, Any]):
 
 class RosbridgeSession:
     """Serves one client, in the event loop of the API.
+
+    The method `do_OP` carries out the operation OP of the protocol.
 
     Args:
         client: The client, with its rights.
@@ -108,27 +131,6 @@ class RosbridgeSession:
         self._calls: set[asyncio.Task[None]] = set()
         self._goals: dict[str, Callable[[], Awaitable[None]]] = {}
         self._proofs: set[str] = set()
-        self._operations: dict[str, Callable[[Message], Coroutine[Any, Any, None]]] = {
-            "advertise": self._advertise,
-            "unadvertise": self._unadvertise,
-            "publish": self._publish,
-            "subscribe": self._subscribe,
-            "unsubscribe": self._unsubscribe,
-            "call_service": self._call,
-            "send_action_goal": self._send_goal,
-            "cancel_action_goal": self._cancel_goal,
-            "advertise_service": partial(self._offer, "service"),
-            "unadvertise_service": partial(self._take_back, "service"),
-            "service_response": self._hear,
-            "advertise_action": partial(self._offer, "action"),
-            "unadvertise_action": partial(self._take_back, "action"),
-            "action_feedback": self._hear,
-            "action_result": self._hear,
-            "fragment": self._defragment,
-            "set_level": self._set_level,
-            "auth": self._authenticate,
-            "status": self._ignore,
-        }
 
     async def greet(self) -> None:
         """Prepare the connection; the client sends the first message."""
@@ -149,61 +151,60 @@ class RosbridgeSession:
                 await self._take(message.get("bytes") or b"" if text is None else text)
         finally:
             self._port.listen(None)
-            self._graph.broker.leave(self)
+            self._graph.broker.leave(self.outbox)
             for call in self._calls:
                 call.cancel()
 
     async def _take(self, data: str | bytes) -> None:
-        """Carry out a message, or report its fault to the client.
+        """Carry out a message, or report its fault to the client."""
+        with self._told(None):
+            message = Message(data)
+            with self._told(message.get("id")):
+                await self._begin(message)
+
+    async def _begin(self, message: Message) -> None:
+        """Carry out a message, or start a task for it if it may take long.
 
         Raises:
-            RosTypeError: Never raised; the client gets a status.
+            RosTypeError: There is no such operation, or too many are under way.
         """
-        found: list[object] = [None]
-        with self._told(found):
-            message = Message(data)
-            found[0] = message.get("id")
-            op = str(message["op"])
-            if op not in self._operations:
-                raise RosTypeError(f"There is no operation '{op:.40}'.")
-            if op not in _LONG:
-                await self._operations[op](message)
-                return
-            if len(self._calls) >= MOST_CALLS:
-                raise RosTypeError(f"'{op}' has to wait: {MOST_CALLS} are under way.")
-            task = asyncio.create_task(self._operations[op](message))
-            self._calls.add(task)
-            task.add_done_callback(self._calls.discard)
+        op = str(message["op"])
+        carry_out = getattr(self, f"do_{op}", None)
+        if carry_out is None:
+            raise RosTypeError(f"There is no operation '{op:.40}'.")
+        if op not in _LONG:
+            await carry_out(message)
+            return
+        if len(self._calls) >= MOST_CALLS:
+            raise RosTypeError(f"'{op}' has to wait: {MOST_CALLS} are under way.")
+        task = asyncio.create_task(carry_out(message))
+        self._calls.add(task)
+        task.add_done_callback(self._calls.discard)
 
     @contextmanager
     def _told(
-        self, identifier: list[object], answer: Callable[[str], None] | None = None
+        self, identifier: object, answer: Callable[[str], None] = lambda _: None
     ) -> Iterator[None]:
         """Report a refusal in the body of a `with` to the client.
 
         Args:
-            identifier: List for the identifier of the message, filled when it is known.
+            identifier: Identifier of the client's message; None without one.
             answer: Function that also sends the reason as the answer for which the
                 client waits.
         """
         try:
             yield
         except StationError as error:
-            why = _reason(error)
+            why = reason_of(error)
         except RecursionError:
             why = "The message is nested too deeply."
         except Exception as error:  # noqa: BLE001 - a fault of the station, not of the client
             why = report_fault(error)
         else:
             return
-        one = identifier[0]
-        self.outbox.tell("error", why, one if isinstance(one, str | int) else None)
-        if answer is not None:
-            answer(why)
-
-    def tell(self, text: str) -> None:
-        """Warn the client."""
-        self.outbox.tell("warning", text)
+        is_named = isinstance(identifier, str | int)
+        self.outbox.tell("error", why, identifier if is_named else None)
+        answer(why)
 
     def _topic(self, message: Message, *, opens: bool = False) -> Topic:
         """Return a topic; a message with a type may open a new topic of clients.
@@ -229,13 +230,20 @@ class RosbridgeSession:
             # A client that comes before the publisher is usually right, and roslibpy
             # logs a status as a fault, so warn only if a similar topic exists.
             if message["op"] == "subscribe" and near:
-                self.tell(f"Nobody publishes '{name}' yet. {error.remedy}".strip())
+                told = f"Nobody publishes '{name}' yet. {error.remedy}"
+                self.outbox.tell("warning", told.strip())
         return found
 
-    async def _ignore(self, message: Message) -> None:
+    async def do_status(self, message: Message) -> None:
+        """Note a status of the client in the log."""
         _log.debug("a client of rosbridge says: %.200s", message)
 
-    async def _set_level(self, message: Message) -> None:
+    async def do_set_level(self, message: Message) -> None:
+        """Choose the level of the statuses that the client gets.
+
+        Raises:
+            RosTypeError: There is no such level.
+        """
         if message["level"] not in LEVELS:
             raise RosTypeError(
                 f"There is no level '{message['level']!s:.40}'.",
@@ -243,7 +251,8 @@ class RosbridgeSession:
             )
         self.outbox.level = message["level"]
 
-    async def _advertise(self, message: Message) -> None:
+    async def do_advertise(self, message: Message) -> None:
+        """Publish to a topic from now on."""
         self._writable(message)
 
     def _writable(self, message: Message) -> Topic:
@@ -260,71 +269,53 @@ class RosbridgeSession:
                 remedy=f"They can publish to {', '.join(known) or 'nothing'}.",
             )
         if isinstance(topic, ClientTopic):
-            self._graph.broker.advertise(topic, self)
+            self._graph.broker.advertise(topic, self.outbox)
         return topic
 
-    async def _publish(self, message: Message) -> None:
+    async def do_publish(self, message: Message) -> None:
+        """Pass a message to its topic."""
         topic = self._writable(message)
         values = checked(topic.type, message.get("msg"))
         if isinstance(topic, ClientTopic):
             topic.latched = values if message.get("latch") else topic.latched
-        with self._recorded(f"publish {topic.name}", changes=topic.changes, free=1):
-            await self._run(topic.write, topic.is_quick, values)
+        with self._client.changing(
+            f"publish {topic.name}", changes=topic.changes, free=1
+        ):
+            await self._run(topic.write, topic.blocks, values)
 
-    async def _unadvertise(self, message: Message) -> None:
+    async def do_unadvertise(self, message: Message) -> None:
+        """End the publication to a topic."""
         name = path_of(message["topic"])
-        self._graph.broker.leave_topic(name, self, publishes=True)
+        self._graph.broker.leave_topic(name, self.outbox, "publishers")
 
-    async def _offer(self, kind: str, message: Message) -> None:
+    async def do_advertise_service(self, message: Message) -> None:
         """Offer a service or an action to the other clients."""
+        kind = message["op"].rpartition("_")[2]
         name, type_name = str(message[kind]), str(message.get("type"))
-        found = self._graph.broker.offer(f"{kind}s", name, type_name, self)
+        found = self._graph.broker.offer(f"{kind}s", name, type_name, self.outbox)
         self._client.record(f"offer of {found.name}", "done", is_done=True, free=1)
 
-    async def _take_back(self, kind: str, message: Message) -> None:
-        self._graph.broker.take_back(f"{kind}s", str(message[kind]), self)
+    async def do_unadvertise_service(self, message: Message) -> None:
+        """Withdraw a service or an action."""
+        kind = message["op"].rpartition("_")[2]
+        self._graph.broker.take_back(f"{kind}s", str(message[kind]), self.outbox)
 
-    async def _hear(self, message: Message) -> None:
-        self._graph.broker.hear(message, self)
+    async def do_service_response(self, message: Message) -> None:
+        """Pass on the answer to a call or a goal of another client."""
+        self._graph.broker.hear(message, self.outbox)
 
-    async def _run(self, function: Any, is_quick: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
-        """Call a function with values of the client; in a thread unless it is quick."""
-        if not is_quick:
-            threads = self._graph.goals.threads
-            return await anyio.to_thread.run_sync(
-                function, self._client, values, limiter=threads
-            )
+    do_advertise_action = do_advertise_service
+    do_unadvertise_action = do_unadvertise_service
+    do_action_feedback = do_action_result = do_service_response
+
+    async def _run(self, function: Any, blocks: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
+        """Call a function with values of the client; in a thread if it may block."""
+        if blocks:
+            return await self._graph.goals.in_thread(function, self._client, values)
         found = function(self._client, values)
         return await found if inspect.isawaitable(found) else found
 
-    @contextmanager
-    def _recorded(
-        self, what: str, *, changes: bool = True, free: int = 10
-    ) -> Iterator[None]:
-        """Check that the client may make a change, and record its end.
-
-        Args:
-            what: The change.
-            changes: Whether it changes the station; otherwise this does nothing.
-            free: Number of such events that are recorded singly; later ones are
-                counted.
-
-        Raises:
-            StationError: The client may not make changes, or the body of the `with` was
-                refused.
-        """
-        if not changes:
-            yield
-            return
-        self._client.check(what)
-        try:
-            yield
-        except StationError as error:
-            self._client.record(what, f"refused: {error.code}", is_done=False)
-            raise
-        self._client.record(what, "done", is_done=True, free=free)
-
-    async def _subscribe(self, message: Message) -> None:
+    async def do_subscribe(self, message: Message) -> None:
         """Subscribe to a topic.
 
         Raises:
@@ -333,7 +324,6 @@ class RosbridgeSession:
         """
         name, identifier = path_of(message["topic"]), str(message.get("id"))
         form = _form_of(message, message.get("type"), COMPRESSIONS)
-        form = form._replace(topic=str(message["topic"]))
         throttle = _number(message, "throttle_rate", 3_600_000) / 1e3
         length = _number(message, "queue_length", MOST_QUEUED)
         found = self.outbox.subscriptions
@@ -348,26 +338,26 @@ class RosbridgeSession:
             )
         topic = self._topic(message, opens=True)
         if form.compression == "cbor-raw" and not fields_of(topic.type):
-            self._graph.broker.leave_topic(name, self)
+            self._graph.broker.leave_topic(name, self.outbox)
             raise RosTypeError(
                 f"The station does not know {topic.type}, so it has no bytes for it.",
                 remedy="Use the compression cbor.",
             )
         if isinstance(topic, ClientTopic):
-            topic.subscribers.add(self)
+            topic.subscribers.add(self.outbox)
         one.wishes.pop(identifier, None)
         one.wishes[identifier] = (throttle, length, form)
         one.settle()
         found[name] = one
         frame = self._graph.clock.frame()
-        values = None
         if topic.period == LATCHED and topic.read and frame is not None:
             values = topic.read(frame)
-        if values is not None and frame is not None:
-            latched = Publication(topic.name, topic.type, values, frame.stamp)
-            self.outbox.offer(latched, asyncio.get_running_loop().time())
+            if values is not None:
+                latched = Publication(topic.name, topic.type, values, frame.stamp)
+                self.outbox.offer(latched, asyncio.get_running_loop().time())
 
-    async def _unsubscribe(self, message: Message) -> None:
+    async def do_unsubscribe(self, message: Message) -> None:
+        """End a subscription to a topic, or all of them."""
         topic, identifier = path_of(message["topic"]), message.get("id")
         one = self.outbox.subscriptions.get(topic)
         if one is None:
@@ -375,11 +365,11 @@ class RosbridgeSession:
         one.wishes.pop(str(identifier), None)
         if identifier is None or not one.wishes:
             del self.outbox.subscriptions[topic]
-            self._graph.broker.leave_topic(topic, self, subscribes=True)
+            self._graph.broker.leave_topic(topic, self.outbox, "subscribers")
         else:
             one.settle()
 
-    async def _call(self, message: Message) -> None:
+    async def do_call_service(self, message: Message) -> None:
         """Call a service and answer with its response."""
         name, identifier = str(message.get("service")), message.get("id")
         form = Form()
@@ -388,42 +378,16 @@ class RosbridgeSession:
             head = {"op": "service_response", "service": name, "result": result}
             self.outbox.answer({**head, "values": values}, identifier, form)
 
-        with self._told([identifier], answer):
-            form = _form_of(message, message.get("type"), COMPRESSIONS[:2])
+        with self._told(identifier, answer):
+            form = _form_of(message, message.get("type"), TEXT_COMPRESSIONS)
             service: RosService | Offer = self._graph.find("services", name)
-            args = message.get("args")
+            args = _named(service.type, message.get("args"))
             if isinstance(service, Offer):
-                response = await self._ask(service, args)
+                response = await self._graph.broker.call(service, args, self.outbox)
             else:
                 response = await self._response(service, args)
             kind = f"{service.type}Response"
             answer(in_style(kind, response, ros2=form.is_ros2), result=True)
-
-    async def _ask(self, offer: Offer, args: object) -> Values:
-        """Return the response of another client.
-
-        Raises:
-            RosTypeError: The request is malformed, or its service is unknown.
-        """
-        answered: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
-
-        def told(answer: Answer) -> None:
-            if not answered.done():
-                answered.set_result(answer)
-
-        number = self._graph.broker.ask(offer, _named(offer.type, args), self, told)
-        try:
-            answer = await asyncio.wait_for(answered, PATIENCE)
-        except TimeoutError as error:
-            raise RosTypeError(
-                f"'{offer.name}' has not answered within {PATIENCE:g} s."
-            ) from error
-        finally:
-            self._graph.broker.forget(number)
-        if not answer.result:
-            raise RosTypeError(f"'{offer.name}' failed: {answer.values!s:.300}")
-        found: Values = answer.values
-        return found
 
     async def _response(self, service: RosService, args: object) -> Values:
         """Return the response of a service.
@@ -434,90 +398,82 @@ class RosbridgeSession:
                 refusal.
         """
         kind, response = f"{service.type}Request", f"{service.type}Response"
-        request = checked(kind, _named(service.type, args), "args")
-        is_free = service.is_free is not None and service.is_free(self._client, request)
-        if is_free or not service.changes:
-            found = await self._run(service.call, service.is_quick, request)
-            return filled(response, _SUCCEEDED | dict(found or {}), 0)
-        self._client.check(f"call {service.name}")
+        request = checked(kind, args, "args")
+        what = f"call {service.name}"
+        changes = service.changes and not service.is_free(self._client, request)
+        if changes:
+            self._client.check(what)
         try:
-            with self._recorded(f"call {service.name}"):
-                found = await self._run(service.call, service.is_quick, request)
+            with self._client.changing(what, changes=changes):
+                found = await self._run(service.call, service.blocks, request)
         except RosTypeError:
             raise
         except StationError as error:
             if not _SUCCEEDED.keys() & fields_of(response).keys():
                 raise
-            why = _reason(error)
+            why = reason_of(error)
             self.outbox.tell("error", why)
             found = {"ok": False, "success": False, "error": why, "message": why}
-        return filled(response, _SUCCEEDED | dict(found or {}), 0)
+        return filled(response, _SUCCEEDED | dict(found or {}))
 
-    async def _send_goal(self, message: Message) -> None:
+    async def do_send_action_goal(self, message: Message) -> None:
         """Send a goal in the way of ROS 2; its feedback and its result follow."""
         name, identifier = str(message.get("action")), message.get("id")
-        form = Form()
-
-        def answer(op: str, values: object, **more: object) -> None:
-            head = {"op": op, "action": name, "values": values}
-            self.outbox.answer({**head, **more}, identifier, form)
-
-        def refuse(why: str) -> None:
-            self._goals.pop(str(identifier), None)
-            answer("action_result", why, status=0, result=False)
-
-        def told(progress: Progress) -> None:
-            hear(_answer_of(progress))
+        goal_id, form = str(identifier), Form()
 
         def hear(found: Answer) -> None:
-            part = "Result" if found.op == "action_result" else "Feedback"
-            values = found.values
+            part, values = ANSWERED[found.op], found.values
             if found.result:
                 values = in_style(f"{action.type}{part}", values, ros2=form.is_ros2)
+            answer = {"op": found.op, "action": name, "values": values}
             if part == "Result":
-                self._goals.pop(str(identifier), None)
-                answer(found.op, values, status=found.status, result=found.result)
-            elif message.get("feedback"):
-                answer(found.op, values)
+                self._goals.pop(goal_id, None)
+                answer |= {"status": found.status, "result": found.result}
+            elif not message.get("feedback"):
+                return
+            self.outbox.answer(answer, identifier, form)
 
-        with self._told([identifier], refuse):
+        with self._told(identifier, lambda why: hear(Answer("action_result", why))):
             # The operation belongs to ROS 2, but the type may have the style of ROS 1.
             kind = message.get("action_type")
-            form = _form_of(message, kind or "/action/", COMPRESSIONS[:2])
+            form = _form_of(message, kind or "/action/", TEXT_COMPRESSIONS)
             action: Action | Offer = self._graph.find("actions", name, str(kind or ""))
             broker, args = self._graph.broker, message.get("args")
             if isinstance(action, Offer):
-                number = broker.ask(action, args, self, hear)
-                self._goals[str(identifier)] = partial(broker.cancel, number)
+                number = broker.ask(action, args, self.outbox, hear)
+                self._goals[goal_id] = partial(broker.cancel, number)
                 return
             goal = checked(f"{action.type}Goal", args, "args")
-            goal_id = checked("actionlib_msgs/GoalID", {"id": str(identifier)})
-            self._goals[str(identifier)] = partial(
-                self._cancel_own, action, str(identifier)
-            )
-            with self._recorded(f"goal of {name}", changes=action.changes):
-                await self._graph.goals.start(action, self._client, goal, goal_id, told)
+            stamped = checked("actionlib_msgs/GoalID", {"id": goal_id})
+            self._goals[goal_id] = partial(self._cancel_own, action, goal_id)
+            with self._client.changing(f"goal of {name}", changes=action.changes):
+                await self._graph.goals.start(action, self._client, goal, stamped, hear)
 
-    async def _cancel_goal(self, message: Message) -> None:
+    async def do_cancel_action_goal(self, message: Message) -> None:
+        """Cancel a goal that the client has sent.
+
+        Raises:
+            RosTypeError: Never raised; the client gets a status.
+        """
         identifier = message.get("id")
-        with self._told([identifier]):
+        with self._told(identifier):
             cancel = self._goals.get(str(identifier))
             if cancel is None:
                 raise RosTypeError(f"There is no goal '{identifier!s:.80}'.")
             await cancel()
 
     async def _cancel_own(self, action: Action, identifier: str) -> None:
-        with self._recorded(f"cancel of {action.name}", changes=action.changes):
+        with self._client.changing(f"cancel of {action.name}", changes=action.changes):
             await self._graph.goals.cancel(action, identifier)
 
-    async def _defragment(self, message: Message) -> None:
+    async def do_fragment(self, message: Message) -> None:
         """Collect the parts of a message.
 
         Raises:
             RosTypeError: The message has too many parts.
         """
-        name, total = str(message["id"]), _number(message, "total", MOST_FRAGMENTS)
-        number = _number(message, "num", max(total - 1, 0))
+        name, total = str(message["id"]), _number(message, "total", MOST_FRAGMENTS, 1)
+        number = _number(message, "num", total - 1)
         parts = self._fragments.setdefault(name, {})
         parts[number] = str(message["data"])
         size = sum(len(p) for found in self._fragments.values() for p in found.values())
@@ -528,7 +484,7 @@ class RosbridgeSession:
             del self._fragments[name]
             await self._take("".join(parts[k] for k in range(total)))
 
-    async def _authenticate(self, message: Message) -> None:
+    async def do_auth(self, message: Message) -> None:
         """Give the client the rights of the token with which a MAC was made.
 
         Source: GT-RAIL/rosauth, ros_mac_authentication.cpp: SHA-512 over the secret
@@ -566,13 +522,6 @@ class RosbridgeSession:
 _SUCCEEDED: Values = {"ok": True, "success": True}
 
 
-def _answer_of(progress: Progress) -> Answer:
-    """Return the message that reports a goal in ROS 2."""
-    op = "action_result" if progress.status in ROS2 else "action_feedback"
-    status = ROS2.get(progress.status, 0)
-    return Answer(op, dict(progress.values), status, result=True)
-
-
 def _named(type_name: str, args: object) -> object:
     """Return arguments by name; the protocol may also list them in order."""
     if not isinstance(args, list):
@@ -580,10 +529,6 @@ def _named(type_name: str, args: object) -> object:
     is_whole = len(args) == 1 and isinstance(args[0], dict)
     fields = fields_of(f"{type_name}Request")
     return args[0] if is_whole else dict(zip(fields, args, strict=False))
-
-
-def _reason(error: StationError) -> str:
-    return f"{error.message} {error.remedy}".strip()
 
 
 def _form_of(
@@ -603,38 +548,33 @@ def _form_of(
     size = _number(message, "fragment_size", 2**31)
     # A frame has about 100 characters around its part of the message.
     size = max(size, 100) if size else 0
-    return Form(compression, split_style(str(type_name or ""))[1], size)
+    is_ros2 = split_style(str(type_name or ""))[1]
+    return Form(compression, is_ros2, size, str(message.get("topic") or ""))
 
 
-def _with_nan(data: str | bytes, fault: ValueError) -> object:
-    """Return a message that has NaN or Infinity, as Python's clients write them.
+def _read(text: bytes) -> object:
+    """Parse JSON, which may have NaN and Infinity, as Python writes them.
 
-    JSON does not have them, but a field that may not have them is refused by its name.
-
-    Args:
-        data: The text.
-        fault: Why it is no JSON.
+    A field that may not have them is refused by its name.
 
     Raises:
-        RosTypeError: The text is no JSON in other places, too.
+        ValueError: The text is no JSON in other places, too.
     """
-    text = data if isinstance(data, str) else data.decode(errors="replace")
-    if "NaN" in text or "Infinity" in text:
-        with suppress(ValueError, TypeError):
-            found: object = json.loads(text)
-            # What cannot be written again, such as half a character, is no JSON.
-            orjson.dumps(found)
-            return found
-    raise RosTypeError(f"The message is not JSON: {fault}.") from fault
+    try:
+        return orjson.loads(text)
+    except ValueError:
+        if b"NaN" in text or b"Infinity" in text:
+            return json.loads(text)
+        raise
 
 
-def _number(message: Message, key: str, most: int) -> int:
+def _number(message: Message, key: str, most: int, least: int = 0) -> int:
     """Return a whole number of a message; 0 without one.
 
     Raises:
         RosTypeError: The value is not a number, or out of range.
     """
     value = message.get(key) or 0
-    if not isinstance(value, int | float) or not 0 <= value <= most:
-        raise RosTypeError(f"'{key}' is {value!r:.40}; allowed are 0 to {most}.")
+    if not isinstance(value, int | float) or not least <= value <= most:
+        raise RosTypeError(f"'{key}' is {value!r:.40}; allowed are {least} to {most}.")
     return int(value)

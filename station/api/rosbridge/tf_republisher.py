@@ -4,7 +4,7 @@ Source: RobotWebTools/tf2_web_republisher, tf_web_republisher.cpp; differs: a to
 10 s after its last subscriber has left; the time-out of the request is ignored.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from itertools import count
 from math import acos
 from time import monotonic
@@ -31,7 +31,6 @@ class TfRepublisher:
     Args:
         urdf: The robot.
         clock: The station's topics, which make the messages of cycles.
-        names: Names of the positions in a cycle.
         add: Function that adds a new topic.
     """
 
@@ -39,12 +38,10 @@ class TfRepublisher:
         self,
         urdf: Urdf,
         clock: StationTopics,
-        names: Sequence[str],
         add: Callable[[Topic], object],
     ) -> None:
         self._joints = {joint.child: joint for joint in urdf.joints.values()}
         self._clock = clock
-        self._names = names
         self._add = add
         self._topics: dict[str, tuple[Topic, list[float]]] = {}
         self._goals = 0
@@ -56,7 +53,7 @@ class TfRepublisher:
             "/republish_tfs",
             "tf2_web_republisher/RepublishTFs",
             self._republish,
-            is_quick=True,
+            blocks=False,
         )
 
     def topics(self) -> Iterator[Topic]:
@@ -131,7 +128,7 @@ class TfRepublisher:
         """Return the pose of a frame in another one; None if nothing connects them."""
         if target == source:
             return Pose()
-        positions = dict(zip(self._names, frame.snapshot.position, strict=True))
+        positions = self._clock.positions(frame)
         (root, pose), (other, inner) = (
             self._from_root(name, positions) for name in (target, source)
         )

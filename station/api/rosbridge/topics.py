@@ -4,16 +4,23 @@ import asyncio
 import re
 import time
 from collections.abc import Awaitable, Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import partial, reduce
+from operator import getitem
 from typing import Any, NamedTuple
 
-from station.api.cameras import Cameras
 from station.api.rosbridge.ros_types import filled, time_of
+from station.api.services import Services
+from station.api.streams.topics import (
+    ControllerStateTopic,
+    CycleTopic,
+    JointStatesTopic,
+)
 from station.api.tool_port import ToolClient
-from station.core.control.controller import ControllerBase, ControllerSample
+from station.core.control.controller import ControllerBase
 from station.core.description.urdf import JointType, Urdf
-from station.core.errors import StationError
+from station.core.errors import ControllerNotFoundError, StationError
 from station.core.facade.station import Station
 from station.core.franka import (
     FrankaServices,
@@ -24,7 +31,7 @@ from station.core.franka import (
 from station.core.franka.grippers import Grippers
 from station.core.loop.snapshot import Snapshot
 from station.core.ports.set_point import SetPointPort
-from station.events import EventLog, Severity
+from station.events import Severity
 from station.records.cdr import Values
 from station.records.messages import transforms
 
@@ -109,8 +116,8 @@ class Topic:
             clients may not publish.
         period: Time between two messages [s]; 0 for every tick, or `LATCHED`.
         in_pause: Whether it is published while station time stands still.
-        is_quick: Whether `write` returns at once, so that it needs no thread; it may
-            then return an awaitable.
+        blocks: Whether `write` may block, so that it needs a thread; otherwise it may
+            return an awaitable.
         changes: Whether a message of a client changes the station.
         due: When the next message is due [s, clock of the event loop].
     """
@@ -121,7 +128,7 @@ class Topic:
     write: Write | None = None
     period: float = 0.0
     in_pause: bool = False
-    is_quick: bool = False
+    blocks: bool = False
     changes: bool = True
     due: float = field(default=0.0, compare=False)
 
@@ -130,11 +137,9 @@ class StationTopics:
     """Provides the topics of a station. Use it in one event loop only.
 
     Args:
-        station: The station.
+        services: The services of the API.
         urdf: The robot, for transforms; None sends no transforms.
         texts: Text by topic, such as `/robot_description`.
-        log: The event log.
-        cameras: The station's cameras.
 
     Attributes:
         origin: Wall time of station time zero [ns since 1970].
@@ -142,28 +147,24 @@ class StationTopics:
 
     def __init__(
         self,
-        station: Station,
+        services: Services,
         urdf: Urdf | None,
         texts: Mapping[str, str],
-        log: EventLog,
-        cameras: Cameras,
     ) -> None:
-        self._station = station
-        self._cameras = cameras
+        self._station = services.station
+        self._cameras = services.cameras
+        self._log = services.event_recorder.log
+        self._logged = self._log.newest_id
         self._urdf = urdf
         self._texts = dict(texts)
-        self._log = log
-        self._logged = log.newest_id
-        self.origin = time.time_ns() - round(station.loop.time * 1e9)
+        self.origin = time.time_ns() - round(self._station.loop.time * 1e9)
 
     def frame(self) -> CycleFrame | None:
         """Return the newest cycle; None before the first one."""
         snapshot = self._station.snapshots.latest()
-        return (
-            None
-            if snapshot is None
-            else CycleFrame(snapshot, self._stamp(snapshot.stamp))
-        )
+        if snapshot is None:
+            return None
+        return CycleFrame(snapshot, self._stamp(snapshot.stamp))
 
     def now(self) -> int:
         """Return the present time of the station [ns since 1970]."""
@@ -174,14 +175,20 @@ class StationTopics:
 
     def all(self) -> Iterator[Topic]:
         """Yield the present topics, besides those of actions."""
-        yield Topic("/joint_states", _JOINT_STATE, self._joint_states)
+        states = JointStatesTopic(self._station)
+        read: Read = partial(self._streamed, states, _JOINT_STATE)
+        yield Topic("/joint_states", _JOINT_STATE, read)
         for name, text in self._texts.items():
             yield Topic(name, "std_msgs/String", partial(_text, text), period=LATCHED)
         if self._urdf is not None:
-            fixed, moving = self._split(self._urdf)
-            kind = "tf2_msgs/TFMessage"
-            yield Topic("/tf", kind, partial(self._tf, moving))
-            yield Topic("/tf_static", kind, partial(self._tf, fixed), period=LATCHED)
+            joints = self._urdf.joints.items()
+            fixed = {n: one for n, one in joints if one.type is JointType.FIXED}
+            moving = {n: one for n, one in joints if n not in fixed}
+            for name, some, period in (
+                ("/tf", moving, 0.0), ("/tf_static", fixed, LATCHED)
+            ):  # fmt: skip
+                read = partial(self._tf, replace(self._urdf, joints=some))
+                yield Topic(name, "tf2_msgs/TFMessage", read, period=period)
         yield Topic("/rosout", "rosgraph_msgs/Log", self._log_line, in_pause=True)
         if self._station.simulation.find() is not None:
             yield Topic(
@@ -199,12 +206,14 @@ class StationTopics:
                 period=1.0 / camera.rate,
                 in_pause=True,
             )
-        for arm_id in self._station.robots.names(GripperServices):
-            topic = f"{gripper_namespace(self._station, arm_id)}/joint_states"
+        for arm_id, space in grippers_of(self._station):
             read = _Fingers(self._station, arm_id).read
-            yield Topic(topic, _JOINT_STATE, read, period=FINGER_PERIOD)
+            yield Topic(
+                f"{space}/joint_states", _JOINT_STATE, read, period=FINGER_PERIOD
+            )
         for name, type_name, controller in loaded_controllers(self._station):
-            yield from self._of_controller(name, type_name, controller)
+            with suppress(ControllerNotFoundError):  # unloaded meanwhile
+                yield from self._of_controller(name, type_name, controller)
 
     def _of_controller(
         self, name: str, type_name: str, controller: ControllerBase
@@ -219,18 +228,17 @@ class StationTopics:
                 f"/{name}/command",
                 "trajectory_msgs/JointTrajectory",
                 write=partial(self._follow, name),
+                blocks=True,
             )
         elif len(controller.joint_names) == 1 and "p" in {
             key.rpartition("/")[2] for key in controller.tunables.values
         }:
             yield self._published(name, "state", "control_msgs/JointControllerState")
         elif controller.joint_names:
-            yield Topic(
-                f"/{name}/state",
-                "control_station_msgs/ControllerState",
-                partial(self._sample, name),
-                period=STATE_PERIOD,
-            )
+            state = "control_station_msgs/ControllerState"
+            values = ControllerStateTopic(self._station, name)
+            read = partial(self._streamed, values, state)
+            yield Topic(f"/{name}/state", state, read, period=STATE_PERIOD)
         for topic, message in controller.published().items():
             found = _PUBLISHED.get(topic) or _kind_of(message)
             if found is not None:
@@ -244,40 +252,35 @@ class StationTopics:
 
         def read(_: CycleFrame) -> Values | None:
             try:
-                message = self._station.published(name).get(topic)
+                message: Any = self._station.published(name).get(topic)
             except StationError:
                 return None
             if message is None or message.get("stamp") == last[0]:
                 return None
             last[0] = message.get("stamp")
-            return self.report(kind, message)
+            if isinstance(message.get("robot_mode"), str):
+                mode = RobotMode[str(message["robot_mode"]).upper()].value
+                message = {**message, "robot_mode": mode}
+            seconds = message.get("stamp", self._station.loop.time)
+            return filled(kind, message, self._stamp(seconds))
 
         return Topic(f"/{name}/{topic}", kind, read)
 
-    def report(self, kind: str, message: Mapping[str, Any]) -> Values:
-        """Return a controller's message in the form of ROS."""
-        seconds = message.get("stamp", self._station.loop.time)
-        if isinstance(message.get("robot_mode"), str):
-            mode = RobotMode[str(message["robot_mode"]).upper()].value
-            message = {**message, "robot_mode": mode}
-        return filled(kind, message, self._stamp(seconds))
+    @staticmethod
+    def _streamed(stream: CycleTopic, kind: str, frame: CycleFrame) -> Values | None:
+        """Return the values that the API streams of a cycle, as a message."""
+        sample = stream.sample(frame.snapshot)
+        if sample is None:
+            return None
+        return filled(kind, {**sample, "name": stream.names()}, frame.stamp)
 
-    def _joint_states(self, frame: CycleFrame) -> Values:
-        state = frame.snapshot._asdict() | {"name": self._station.joint_names}
-        return filled(_JOINT_STATE, state, frame.stamp)
+    def positions(self, frame: CycleFrame) -> dict[str, float]:
+        """Return the position of every joint in a cycle [rad or m]."""
+        names = self._station.joint_names
+        return dict(zip(names, frame.snapshot.position, strict=True))
 
     def _tf(self, urdf: Urdf, frame: CycleFrame) -> Values:
-        names = self._station.joint_names
-        positions = dict(zip(names, frame.snapshot.position, strict=True))
-        return transforms(urdf, positions, frame.stamp)
-
-    @staticmethod
-    def _split(urdf: Urdf) -> tuple[Urdf, Urdf]:
-        """Return a robot with only its fixed joints, and one with all others."""
-        joints = urdf.joints.items()
-        fixed = {n: one for n, one in joints if one.type is JointType.FIXED}
-        moving = {n: one for n, one in joints if n not in fixed}
-        return replace(urdf, joints=fixed), replace(urdf, joints=moving)
+        return transforms(urdf, self.positions(frame), frame.stamp)
 
     def _clock(self, frame: CycleFrame) -> Values | None:
         """Return station time while it is paused or differs in speed from wall time."""
@@ -310,30 +313,17 @@ class StationTopics:
             round(event.time * 1e9),
         )
 
-    def _sample(self, name: str, frame: CycleFrame) -> Values | None:
-        sample: ControllerSample | None = frame.snapshot.samples.get(name)
-        try:
-            names = self._station.manager.get_controller(name).joint_names
-        except StationError:
-            return None
-        if sample is None:
-            return None
-        found = sample._asdict() | {"name": list(names)}
-        return filled("control_station_msgs/ControllerState", found, frame.stamp)
-
     def _set_point_topic(self, name: str, kind: str, port: SetPointPort) -> Topic:
-        names = [element.name for element in port.elements]
-        places = [_PLACES[one] for one in names if one in _PLACES]
+        places = [_PLACES.get(element.name, ()) for element in port.elements]
         topic, found = "command", "std_msgs/Float64MultiArray"
-        if len(places) == len(names):
+        if all(places):
             found = _POSE if len(places) == 7 else _TWIST
             topic = _POSE_TOPICS.get(kind, "command")
             topic = "cmd_vel" if len(places) == 2 else topic
         elif re.fullmatch(r"Joint(Position|Velocity|Effort)Controller", kind):
-            found = "std_msgs/Float64"
-        whole = places if len(places) == len(names) else None
-        write = partial(self._command, name, whole)
-        return Topic(f"/{name}/{topic}", found, write=write, is_quick=True)
+            found, places = "std_msgs/Float64", [("data",)]
+        write = partial(self._command, name, places if all(places) else None)
+        return Topic(f"/{name}/{topic}", found, write=write)
 
     def _command(
         self,
@@ -344,14 +334,19 @@ class StationTopics:
     ) -> None:
         """Send the set-point in a message to a controller.
 
+        Args:
+            name: The controller.
+            places: Path of each element in the message; None for all of `data`.
+            client: The client that sends the message.
+            message: The message.
+
         Raises:
             StationError: The station refuses it.
         """
         if places is None:
             values = message["data"]
-            values = values if isinstance(values, list) else [values]
         else:
-            values = [_at(message, place) for place in places]
+            values = [reduce(getitem, place, message) for place in places]
         with client.services.control.commanding(client.access, client.lease, name):
             self._station.motion.set_command(name, values)
 
@@ -415,27 +410,24 @@ def _text(text: str, _: CycleFrame) -> Values:
     return {"data": text}
 
 
-def arm_namespace(station: Station, arm_id: str) -> str:
-    """Return the namespace of an arm's services; a single arm has franka_control's."""
-    alone = len(station.robots.names(FrankaServices)) == 1
-    return "/franka_control" if alone else f"/{arm_id}"
+def arms_of(station: Station) -> Iterator[tuple[str, str]]:
+    """Yield the arms, and the namespace of each; a single arm has franka_control's."""
+    names = station.robots.names(FrankaServices)
+    for arm_id in names:
+        yield arm_id, "/franka_control" if len(names) == 1 else f"/{arm_id}"
 
 
-def gripper_namespace(station: Station, arm_id: str) -> str:
-    """Return the namespace of a gripper's topics and actions."""
-    alone = len(station.robots.names(GripperServices)) == 1
-    return "/franka_gripper" if alone else f"/{arm_id}/franka_gripper"
+def grippers_of(station: Station) -> Iterator[tuple[str, str]]:
+    """Yield the arms with a gripper, and the namespace of each gripper."""
+    names = station.robots.names(GripperServices)
+    for arm_id in names:
+        alone = len(names) == 1
+        yield arm_id, "/franka_gripper" if alone else f"/{arm_id}/franka_gripper"
 
 
 def seconds_of(found: Mapping[str, int]) -> float:
     """Return a time or a duration in seconds."""
     return found["sec"] + found["nanosec"] / 1e9
-
-
-def _at(message: Any, place: tuple[str, ...]) -> float:  # noqa: ANN401 - a message
-    for key in place:
-        message = message[key]
-    return float(message)
 
 
 def _kind_of(message: Mapping[str, object]) -> str | None:

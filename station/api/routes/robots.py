@@ -1,5 +1,6 @@
 """Arms and grippers: state, model, services, and buttons and faults in simulation."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 
 from fastapi import APIRouter
@@ -132,7 +133,7 @@ def set_force_torque_collision_behavior(
     arm_id: str, request: wire.ForceTorqueCollisionBehavior, arms: ArmsDep
 ) -> wire.ArmReport:
     """Set the thresholds of all phases of a motion; refused while the arm moves."""
-    arms.set_collision_behavior(arm_id, collision_thresholds(request))
+    arms.set_collision_behavior(arm_id, collision_thresholds(request.model_dump()))
     return _report(arms, arm_id)
 
 
@@ -141,7 +142,7 @@ def set_full_collision_behavior(
     arm_id: str, request: wire.FullCollisionBehavior, arms: ArmsDep
 ) -> wire.ArmReport:
     """Set separate thresholds for accelerating; refused while the arm moves."""
-    arms.set_collision_behavior(arm_id, collision_thresholds(request))
+    arms.set_collision_behavior(arm_id, collision_thresholds(request.model_dump()))
     return _report(arms, arm_id)
 
 
@@ -261,11 +262,12 @@ def stop_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
     return answers.gripper(arm_id, grippers.stop(arm_id))
 
 
-def collision_thresholds(
-    request: wire.ForceTorqueCollisionBehavior,
-) -> CollisionBehavior:
-    """Return the thresholds; those for accelerating are the nominal ones by default."""
-    given = request.model_dump()
+def collision_thresholds(given: Mapping[str, Sequence[float]]) -> CollisionBehavior:
+    """Return the thresholds; those for accelerating are the nominal ones by default.
+
+    Args:
+        given: The fields of a request, by name.
+    """
     chosen = {
         one.name: given.get(
             one.name, given[one.name.replace("acceleration", "nominal")]

@@ -101,6 +101,17 @@ def test_a_request_over_http_is_told_where_to_go(serve):
     assert "rosbridge" in answer.json()["detail"]
 
 
+def test_a_text_that_is_no_utf8_closes_the_connection_with_a_reason(serve, caplog):
+    _, url = serve()
+    with RosClient(url) as client:
+        client.socket.send(b'{"op": "\xff"}', text=True)
+        with pytest.raises(ConnectionClosed) as closed:
+            client.socket.recv(timeout=PATIENCE)
+    assert closed.value.rcvd.code == 1007
+    assert "UTF-8" in closed.value.rcvd.reason
+    assert not [one.exc_text for one in caplog.records if one.exc_info]
+
+
 def fuzzed(seed):
     """Yield frames that are nearly messages of rosbridge."""
     chance = random.Random(seed)

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import time
 
 import pytest
@@ -185,6 +186,13 @@ def test_a_goal_that_nobody_takes_has_no_error_code_of_success(client):
     assert "running" in found["result"]["error_string"]
 
 
+def test_a_time_before_the_start_of_the_station_is_refused_by_its_field(client):
+    client.switch(start=["arm"])
+    found = client.call("/arm/query_state", {"time": {"secs": 5, "nsecs": 0}})
+    assert found["result"] is False
+    assert re.match(r"'args/time' is \d+\.\d+ s before the start", found["values"])
+
+
 def test_a_number_that_json_does_not_have_is_refused_by_its_field(client):
     # Python's json writes NaN and Infinity.
     client.send("publish", topic="/pose/command", msg={"data": [0.1, float("nan")]})
@@ -247,6 +255,9 @@ REFUSED = {
     "no op": ({"topic": "/x"}, "no field 'op'"),
     "no topic": ({"op": "subscribe"}, "no field 'topic'"),
     "unknown level": ({"op": "set_level", "level": "loud"}, "none, error, warning"),
+    "no parts": (
+        {"op": "fragment", "num": 0, "total": 0, "data": ""}, "'total' is 0"
+    ),
     "unknown goal": ({"op": "cancel_action_goal", "id": "nine"}, "nine"),
     "not authentic": (
         {"op": "auth", "mac": "0", "client": "c", "dest": "d", "rand": "r", "t": 0,
@@ -269,6 +280,19 @@ def test_what_is_wrong_is_named_in_a_status(client, case):
     assert status["level"] == "error"
     assert named in status["msg"]
     assert status["id"] == message.get("id", "m")
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ('{"op": "dance", "op": "subscribe", "topic": "/tf"}', "op"),
+        ('{"op": "publish", "msg": {"data": [1], "data": [2]}}', "data"),
+        ('{"op": "publish", "msg": {"data": NaN, "data": ":"}}', "data"),
+    ],
+)
+def test_a_key_that_comes_twice_is_refused(client, text, key):
+    client.socket.send(text)
+    assert f"has the key '{key}' twice" in client.until("status")["msg"]
 
 
 def test_a_wrong_request_of_a_service_is_named(client):

@@ -15,7 +15,7 @@ NOMINAL = {
 def test_nominal_thresholds_count_for_both_phases():
     request = wire.ForceTorqueCollisionBehavior(**NOMINAL)
 
-    found = robots.collision_thresholds(request)
+    found = robots.collision_thresholds(request.model_dump())
 
     assert found.upper_force_thresholds_acceleration == (30.0,) * 6
     assert found.lower_torque_thresholds_nominal == (20.0,) * 7
