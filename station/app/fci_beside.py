@@ -13,12 +13,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Self
 
-from station.app.fci_run import (
-    FciRobotError,
-    model_library_of,
-    protocols_of,
-    robot_model_of,
-)
+from station.app.fci_run import FciRobotError, model_library_of, robot_model_of
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka import GripperServicesInterface
@@ -40,6 +35,7 @@ from station.hw.franka.fci.server.fci_door import (
 from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.robot_protocol import protocols_of
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
@@ -96,7 +92,7 @@ class FciBeside:
             hw.arm,
             self._pages[0],
             library,
-            protocols_of(hw.parameters, version),
+            protocols_of(hw.parameters.arm, version),
             robot_model_of(hw.parameters),
             is_commanded=lambda: hw.is_commanded,
             may_move=self._may_move,

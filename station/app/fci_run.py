@@ -3,7 +3,7 @@
 import contextlib
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 from station.app.composition import ROBOT_NAMESPACE, SCENE_NAMESPACE
@@ -23,11 +23,7 @@ from station.hw.franka.fci.server.model_library import (
 )
 from station.hw.franka.fci.server.robot_model import write_robot_model
 from station.hw.franka.fci.server.robot_session import ModelLibrary
-from station.hw.franka.fci.wire.robot_protocol import (
-    PROTOCOLS,
-    RobotProtocol,
-    versions_of_arm,
-)
+from station.hw.franka.fci.wire.robot_protocol import protocols_of
 from station.hw.franka.franka_parameters import FrankaParameters, read_parameters
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.franka_world import simulate_one
@@ -93,7 +89,7 @@ class FciRun:
         gripper = world.grippers.get(arm_id)
         hand = None if gripper is None else HandServices(arm_id, gripper)
         library = model_library_of(parameters, self._warn)
-        protocols = protocols_of(parameters, self._version)
+        protocols = protocols_of(parameters.arm, self._version)
         settings = replace(self._settings, protocols=protocols)
         arm = world.arms[arm_id]
         model = robot_model_of(parameters)
@@ -170,23 +166,6 @@ class FciRun:
                 SCENE_NAMESPACE: self._config.scene.model_dump(),
             })
         )
-
-
-def protocols_of(
-    parameters: FrankaParameters, version: int | None = None
-) -> Sequence[RobotProtocol]:
-    """Return the protocol versions that clients of an arm may use, the arm's own last.
-
-    The arm's own version is the newest for its kind. A real arm accepts only one.
-
-    Args:
-        parameters: The arm.
-        version: The only version; None for all versions with a table.
-    """
-    if version is not None:
-        return (PROTOCOLS[version],)
-    own = versions_of_arm(parameters.arm)[-1]
-    return (*(one for one in PROTOCOLS.values() if one is not own), own)
 
 
 def robot_model_of(parameters: FrankaParameters) -> str:
