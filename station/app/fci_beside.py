@@ -18,6 +18,7 @@ from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka import GripperServicesInterface
 from station.core.loop.stop_latch import StopState
+from station.hw.franka.fci.desk.desk_state import Desk
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_door import (
     ANSWER,
@@ -76,7 +77,7 @@ class FciBeside:
         desk_port: int | None = None,
     ) -> None:
         hw, loop = station.loop.hw, station.loop
-        if not isinstance(hw, FrankaHW) or hw.simulated_world() is None:
+        if not isinstance(hw, FrankaHW) or (world := hw.simulated_world()) is None:
             raise FciRobotError(
                 "fci.enabled is true; the Franka Control Interface serves one "
                 "simulated arm of type franka_hw/FrankaHW alone.",
@@ -110,7 +111,8 @@ class FciBeside:
         try:
             self._open_door()
             if desk_port is not None:
-                self._serve_desk(desk_port, hand)
+                arm = world.arms[hw.parameters.arm_id]
+                self._serve_desk(desk_port, arm, hand)
         except StationError:
             self.close()
             raise
@@ -134,21 +136,18 @@ class FciBeside:
         """Start the process that clients connect to, or end it; see `ServerOfDesk`."""
         return self._changes.submit(self._open_door if is_open else self._close_door)
 
-    def _serve_desk(self, port: int, hand: HandServices | None) -> None:
+    def _serve_desk(
+        self, port: int, arm: SimulatedArm, hand: HandServices | None
+    ) -> None:
         """Serve Desk until `close`.
 
         Raises:
             StationError: The port or the certificate cannot be used.
         """
-        # Imported here, because only Desk needs this web server.
-        from station.hw.franka.fci.desk.desk_server import DeskServer, new_desk
-        from station.hw.franka.fci.desk.desk_state import ServedArm
+        # Imported here, because only Desk needs a web server.
+        from station.hw.franka.fci.desk.desk_server import DeskServer
 
-        arm, parameters = self._hw.arm, self._hw.parameters
-        if not isinstance(arm, SimulatedArm):
-            return
-        kind = "FR3" if parameters.arm == "fr3" else "Panda"
-        desk = new_desk(ServedArm(self, arm, hand, kind), is_ready=True)
+        desk = Desk(self, arm, hand, self._hw.parameters.arm)
         self._closing.callback(DeskServer(desk, self._host, port).close)
 
     def _open_door(self) -> None:

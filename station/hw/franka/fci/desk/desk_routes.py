@@ -12,6 +12,7 @@ import json
 import secrets
 from collections.abc import Awaitable, Callable, Mapping
 from concurrent.futures import Future
+from contextlib import suppress
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -34,6 +35,7 @@ JOINTS_PERIOD = 0.1
 """Time between two messages with the joints' positions [s]."""
 _LOOK = 0.05
 _CARRIED_OUT = 2.0
+_ARM_TYPES = {"panda": "Panda", "fr3": "FR3"}
 _DONE = Response(status_code=204)
 Answer = Any
 _Handler = Callable[[Desk, "Call"], Answer]  # or an awaitable of one
@@ -127,13 +129,12 @@ async def _take(desk: Desk, call: Call) -> Answer:
 
 
 def _release(desk: Desk, call: Call) -> Answer:
-    desk.check_control(call.token)
     desk.release_control(call.token or "")
     return _DONE
 
 
 def _arm(desk: Desk, _call: Call) -> Answer:
-    return {"status": "Connected", "armType": desk.arm.kind}
+    return {"status": "Connected", "armType": _ARM_TYPES[desk.kind]}
 
 
 def _joints(desk: Desk, _call: Call) -> Answer:
@@ -215,7 +216,7 @@ def _as_old(token: ControlToken | None) -> object:
 
 
 def _home(desk: Desk, _call: Call) -> Answer:
-    return _after(desk.arm.home_gripper())
+    return _after(desk.home_gripper())
 
 
 def _configuration(desk: Desk, _call: Call) -> Answer:
@@ -273,13 +274,13 @@ def _activate(desk: Desk, call: Call) -> Answer:
     return _after(desk.activate_profile(str(call.value())), _DONE)
 
 
+_WITHOUT_LOGIN = "/admin/api/login"
 # Method, path, handler; requests of `_CONTROLLED` need the control token.
 _FREE: tuple[tuple[str, str, _Handler], ...] = (
     ("GET", "/api/system", _system),
     ("GET", "/api/system/operating-mode", lambda desk, _: {"status": desk.mode}),
     ("GET", "/api/system/control-token", _token),
     ("POST", "/api/system/control-token:take", _take),
-    ("POST", "/api/system/control-token:release", _release),
     ("GET", "/api/arm", _arm),
     ("GET", "/api/arm/joints", _joints),
     ("GET", "/api/fci", _fci_status),
@@ -289,6 +290,7 @@ _FREE: tuple[tuple[str, str, _Handler], ...] = (
     ("GET", "/api/configuration", _configuration),
     ("POST", "/api/system:reboot", _reboot),
     ("POST", "/api/system:shutdown", _refuse),
+    ("POST", _WITHOUT_LOGIN, _login),
     ("POST", "/admin/api/logout", _say({})),
     ("GET", "/admin/api/system-status", _old_status),
     ("GET", "/admin/api/control-token", _old_token),
@@ -301,6 +303,7 @@ _FREE: tuple[tuple[str, str, _Handler], ...] = (
     ("POST", "/desk/api/execution", _refuse),
 )
 _CONTROLLED: tuple[tuple[str, str, _Handler], ...] = (
+    ("POST", "/api/system/control-token:release", _release),
     ("POST", "/api/system/operating-mode:change", _change_mode),
     ("POST", "/api/arm/joints:unlock", _brakes(closed=False)),
     ("POST", "/api/arm/joints:lock", _brakes(closed=True)),
@@ -321,7 +324,6 @@ _CONTROLLED: tuple[tuple[str, str, _Handler], ...] = (
     ("POST", "/desk/api/operating-mode/{mode}", _mode_of_path),
     ("POST", "/desk/api/gripper/homing", _home),
 )
-_WITHOUT_LOGIN = "/admin/api/login"
 
 
 def _is_known(connection: HTTPConnection) -> bool:
@@ -362,38 +364,35 @@ def _endpoint(
 def make_app(desk: Desk) -> Starlette:
     """Return the web application of a Desk."""
     routes: list[BaseRoute] = [
-        Route(path, _endpoint(desk, handler, is_controlled=number == 1), methods=[m])
-        for number, table in enumerate((_FREE, _CONTROLLED))
+        Route(path, _endpoint(desk, handler, is_controlled=is_controlled), methods=[m])
+        for table, is_controlled in ((_FREE, False), (_CONTROLLED, True))
         for m, path, handler in table
     ]
-    login = _endpoint(desk, _login, is_controlled=False)
-    routes.append(Route(_WITHOUT_LOGIN, login, methods=["POST"]))
 
     async def tell_joints(socket: WebSocket) -> None:
-        await _speak(socket, lambda: json.dumps({"jointAngles": desk.arm.joints()}))
-
-    async def tell_buttons(socket: WebSocket) -> None:
-        await _speak(socket, None)
+        await socket.send_json({"jointAngles": [*desk.arm.state.q]})
+        await asyncio.sleep(JOINTS_PERIOD)
 
     routes += [
-        WebSocketRoute("/desk/api/robot/configuration", tell_joints),
-        WebSocketRoute("/desk/api/navigation/events", tell_buttons),
+        WebSocketRoute("/desk/api/robot/configuration", _repeat(tell_joints)),
+        # Nobody presses a button of a simulated arm: only the end of the client comes.
+        WebSocketRoute("/desk/api/navigation/events", _repeat(WebSocket.receive)),
     ]
     return Starlette(routes=routes)
 
 
-async def _speak(socket: WebSocket, say: Callable[[], str] | None) -> None:
-    """Send messages until the client goes; without `say`, send none."""
-    if not _is_known(socket):
-        await socket.close()
-        return
-    await socket.accept()
-    try:
-        while True:
-            if say is None:
-                await socket.receive()
-            else:
-                await socket.send_text(say())
-                await asyncio.sleep(JOINTS_PERIOD)
-    except (WebSocketDisconnect, RuntimeError):
-        return
+def _repeat(
+    step: Callable[[WebSocket], Awaitable[object]],
+) -> Callable[[WebSocket], Awaitable[None]]:
+    """Return the endpoint of a WebSocket that repeats a step until the client goes."""
+
+    async def serve(socket: WebSocket) -> None:
+        if not _is_known(socket):
+            await socket.close()
+            return
+        await socket.accept()
+        with suppress(WebSocketDisconnect, RuntimeError):
+            while True:
+                await step(socket)
+
+    return serve
