@@ -14,7 +14,6 @@ from collections.abc import Awaitable, Callable, Mapping
 from concurrent.futures import Future
 from contextlib import suppress
 from typing import Any
-from urllib.parse import parse_qs
 
 from starlette.applications import Starlette
 from starlette.requests import HTTPConnection, Request
@@ -25,7 +24,6 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from station.hw.franka.fci.desk.desk_state import (
     LONGEST_WAIT,
     NO_END_EFFECTOR,
-    ControlToken,
     Desk,
     DeskRefusalError,
     load_of,
@@ -47,19 +45,22 @@ class Call:
     Args:
         request: The request.
         body: Body of the request.
+
+    Attributes:
+        path: Parts of the path, by their names in the route.
+        token: The control token; empty without one.
     """
 
     def __init__(self, request: Request, body: bytes) -> None:
         self.request, self._body = request, body
+        self.token = request.headers.get("x-control-token", "")
 
     def json(self) -> Mapping[str, Any]:
-        """Return the fields of the body, which is a JSON object or a form.
+        """Return the fields of the body, which is a JSON object.
 
         Raises:
-            DeskRefusalError: The body is neither.
+            DeskRefusalError: The body is something else.
         """
-        if "x-www-form-urlencoded" in self.request.headers.get("content-type", ""):
-            return {k: v[0] for k, v in parse_qs(self._body.decode()).items()}
         found = self.value() if self._body else {}
         if not isinstance(found, dict):
             raise DeskRefusalError(400, "InvalidArgument", "The body is no object.")
@@ -82,11 +83,6 @@ class Call:
         """Return a field of the body as text; empty without such a field."""
         return str(self.json().get(name) or "")
 
-    @property
-    def token(self) -> str | None:
-        """The control token of the header."""
-        return self.request.headers.get("x-control-token")
-
 
 async def _after(change: Future[None] | None, answer: Answer = None) -> Answer:
     """Wait until the arm has carried out a change; return the answer, `{}` if None."""
@@ -96,9 +92,55 @@ async def _after(change: Future[None] | None, answer: Answer = None) -> Answer:
     return {} if answer is None else answer
 
 
-def _system(desk: Desk, _call: Call) -> Answer:
-    serial = {"controlSerialNumber": "simulated", "cloud": {"status": "Disconnected"}}
-    return {"status": "Started", "operatingMode": desk.mode, **serial}
+def _shown(desk: Desk) -> dict[str, object]:
+    """Return the answers to all requests that read, by their paths."""
+    token, brakes = desk.token, "Locked" if desk.are_brakes_closed else "Unlocked"
+    told = {} if token is None else {"owner": token.owner, "tokenId": token.number}
+    held = token and {"id": token.number, "requestedBy": token.owner}
+    active = desk.find_profile(desk.active)
+    kind = (
+        "None" if desk.active == NO_END_EFFECTOR else active.get("endEffector", "Other")
+    )
+    params = {**active["inertial"], "transformation": active["tcp"]}
+    return {
+        "/api/system": {
+            "status": "Started",
+            "operatingMode": desk.mode,
+            "controlSerialNumber": "simulated",
+            "cloud": {"status": "Disconnected"},
+        },
+        "/api/system/operating-mode": {"status": desk.mode},
+        "/api/system/control-token": told,
+        "/api/arm": {"status": "Connected", "armType": _ARM_TYPES[desk.kind]},
+        "/api/arm/joints": [{"id": i, "brakeStatus": brakes} for i in range(1, 8)],
+        "/api/fci": {"status": "Active" if desk.is_fci_active else "Inactive"},
+        "/api/safety/recovery": {},
+        "/api/safety/self-tests": {"status": "OK", "remaining": 86_400},
+        "/api/configuration": {
+            "endEffectorConfiguration": {
+                "endEffector": {"name": kind, "params": params}
+            }
+        },
+        "/admin/api/system-status": {
+            "controlToken": {"activeToken": held},
+            "derived": {"operatingMode": desk.mode},
+            "safety": {
+                "brakeState": [brakes] * 7,
+                "recoverableErrors": {"td2Timeout": False},
+                "safetyControllerStatus": "Idle",
+            },
+        },
+        "/admin/api/control-token": {
+            "activeToken": held,
+            "fciActive": desk.is_fci_active,
+        },
+        "/admin/api/end-effector/profiles": [*map(desk.find_profile, desk.profiles)],
+        "/admin/api/end-effector/profiles/active": active,
+    }
+
+
+def _show(desk: Desk, call: Call) -> Answer:
+    return _shown(desk)[call.request.url.path]
 
 
 def _change_mode(desk: Desk, call: Call) -> Answer:
@@ -107,11 +149,6 @@ def _change_mode(desk: Desk, call: Call) -> Answer:
 
 def _mode_of_path(desk: Desk, call: Call) -> Answer:
     return _after(desk.change_mode(call.request.path_params["mode"]))
-
-
-def _token(desk: Desk, _call: Call) -> Answer:
-    token = desk.token
-    return {} if token is None else {"owner": token.owner, "tokenId": token.number}
 
 
 async def _take(desk: Desk, call: Call) -> Answer:
@@ -129,17 +166,8 @@ async def _take(desk: Desk, call: Call) -> Answer:
 
 
 def _release(desk: Desk, call: Call) -> Answer:
-    desk.release_control(call.token or "")
+    desk.release_control(call.token)
     return _DONE
-
-
-def _arm(desk: Desk, _call: Call) -> Answer:
-    return {"status": "Connected", "armType": _ARM_TYPES[desk.kind]}
-
-
-def _joints(desk: Desk, _call: Call) -> Answer:
-    status = "Locked" if desk.are_brakes_closed else "Unlocked"
-    return [{"id": number, "brakeStatus": status} for number in range(1, 8)]
 
 
 def _brakes(*, closed: bool) -> _Handler:
@@ -150,16 +178,8 @@ def _fci(*, active: bool) -> _Handler:
     return lambda desk, _call: _after(desk.set_fci(active=active))
 
 
-def _fci_status(desk: Desk, _call: Call) -> Answer:
-    return {"status": "Active" if desk.is_fci_active else "Inactive"}
-
-
 def _say(answer: Mapping[str, object]) -> _Handler:
     return lambda _desk, _call: answer
-
-
-def _reboot(desk: Desk, _call: Call) -> Answer:
-    return _after(desk.reboot(), _DONE)
 
 
 def _refuse(_desk: Desk, call: Call) -> Answer:
@@ -172,10 +192,6 @@ def _login(_desk: Desk, call: Call) -> Answer:
     if not call.text("login"):
         raise DeskRefusalError(401, "Unauthorized", "The name is missing.")
     return PlainTextResponse(secrets.token_hex(16))
-
-
-def _old_token(desk: Desk, _call: Call) -> Answer:
-    return {"activeToken": _as_old(desk.token), "fciActive": desk.is_fci_active}
 
 
 def _old_request(desk: Desk, call: Call) -> Answer:
@@ -194,41 +210,6 @@ def _old_fci(desk: Desk, call: Call) -> Answer:
     return _after(desk.set_fci(active=True))
 
 
-def _old_status(desk: Desk, _call: Call) -> Answer:
-    brakes = "Locked" if desk.are_brakes_closed else "Unlocked"
-    return {
-        "controlToken": {"activeToken": _as_old(desk.token)},
-        "derived": {"operatingMode": desk.mode},
-        "safety": {
-            "brakeState": [brakes] * 7,
-            "recoverableErrors": {"td2Timeout": False},
-            "safetyControllerStatus": "Idle",
-        },
-    }
-
-
-def _as_old(token: ControlToken | None) -> object:
-    return token and {
-        "id": token.number,
-        "requestedBy": token.owner,
-        "ownedBy": token.owner,
-    }
-
-
-def _home(desk: Desk, _call: Call) -> Answer:
-    return _after(desk.home_gripper())
-
-
-def _configuration(desk: Desk, _call: Call) -> Answer:
-    profile = desk.find_profile(desk.active)
-    name = "None" if desk.active == NO_END_EFFECTOR else "Other"
-    end_effector = {
-        "name": profile.get("endEffector", name),
-        "params": {**profile["inertial"], "transformation": profile["tcp"]},
-    }
-    return {"endEffectorConfiguration": {"endEffector": end_effector}}
-
-
 def _configure(desk: Desk, call: Call) -> Answer:
     told = call.json().get("endEffectorConfiguration", {}).get("endEffector")
     if not isinstance(told, dict) or not isinstance(told.get("params"), dict):
@@ -236,22 +217,17 @@ def _configure(desk: Desk, call: Call) -> Answer:
             424, "SystemState", "endEffectorConfiguration alone can be changed here."
         )
     params = dict(told["params"])
-    tcp = params.pop("transformation", None)
     profile = {
         "name": "Configured",
         "endEffector": str(told.get("name") or "Other"),
         "deviceId": "ee-no-gripper",
+        "tcp": params.pop("transformation", None),
         "inertial": params,
-        "tcp": tcp,
     }
     load_of(profile)
     # This interface knows one end effector, whatever its name was before.
     desk.profiles["ee-configured"] = profile
     return _after(desk.activate_profile("ee-configured"), _DONE)
-
-
-def _profiles(desk: Desk, _call: Call) -> Answer:
-    return [desk.find_profile(name) for name in desk.profiles]
 
 
 def _save(desk: Desk, call: Call) -> Answer:
@@ -266,40 +242,24 @@ def _delete(desk: Desk, call: Call) -> Answer:
     return _DONE
 
 
-def _active_profile(desk: Desk, _call: Call) -> Answer:
-    return desk.find_profile(desk.active)
-
-
 def _activate(desk: Desk, call: Call) -> Answer:
     return _after(desk.activate_profile(str(call.value())), _DONE)
 
 
 _WITHOUT_LOGIN = "/admin/api/login"
-# Method, path, handler; requests of `_CONTROLLED` need the control token.
+# Method, path and handler of requests that change something; those of `_CONTROLLED`
+# need the control token.
 _FREE: tuple[tuple[str, str, _Handler], ...] = (
-    ("GET", "/api/system", _system),
-    ("GET", "/api/system/operating-mode", lambda desk, _: {"status": desk.mode}),
-    ("GET", "/api/system/control-token", _token),
     ("POST", "/api/system/control-token:take", _take),
-    ("GET", "/api/arm", _arm),
-    ("GET", "/api/arm/joints", _joints),
-    ("GET", "/api/fci", _fci_status),
-    ("GET", "/api/safety/recovery", _say({})),
     ("POST", "/api/safety/recovery:confirm", _say({})),
-    ("GET", "/api/safety/self-tests", _say({"status": "OK", "remaining": 86_400})),
-    ("GET", "/api/configuration", _configuration),
-    ("POST", "/api/system:reboot", _reboot),
+    ("POST", "/api/system:reboot", lambda desk, _: _after(desk.reboot(), _DONE)),
     ("POST", "/api/system:shutdown", _refuse),
     ("POST", _WITHOUT_LOGIN, _login),
     ("POST", "/admin/api/logout", _say({})),
-    ("GET", "/admin/api/system-status", _old_status),
-    ("GET", "/admin/api/control-token", _old_token),
     ("POST", "/admin/api/control-token/request", _old_request),
     ("DELETE", "/admin/api/control-token", _old_release),
     ("POST", "/admin/api/control-token/fci", _old_fci),
     ("POST", "/admin/api/shutdown", _refuse),
-    ("GET", "/admin/api/end-effector/profiles", _profiles),
-    ("GET", "/admin/api/end-effector/profiles/active", _active_profile),
     ("POST", "/desk/api/execution", _refuse),
 )
 _CONTROLLED: tuple[tuple[str, str, _Handler], ...] = (
@@ -322,7 +282,7 @@ _CONTROLLED: tuple[tuple[str, str, _Handler], ...] = (
     ("POST", "/desk/api/robot/open-brakes", _brakes(closed=False)),
     ("POST", "/desk/api/robot/close-brakes", _brakes(closed=True)),
     ("POST", "/desk/api/operating-mode/{mode}", _mode_of_path),
-    ("POST", "/desk/api/gripper/homing", _home),
+    ("POST", "/desk/api/gripper/homing", lambda desk, _: _after(desk.home_gripper())),
 )
 
 
@@ -363,9 +323,10 @@ def _endpoint(
 
 def make_app(desk: Desk) -> Starlette:
     """Return the web application of a Desk."""
+    reading = [("GET", path, _show) for path in _shown(desk)]
     routes: list[BaseRoute] = [
         Route(path, _endpoint(desk, handler, is_controlled=is_controlled), methods=[m])
-        for table, is_controlled in ((_FREE, False), (_CONTROLLED, True))
+        for table, is_controlled in (((*reading, *_FREE), False), (_CONTROLLED, True))
         for m, path, handler in table
     ]
 
