@@ -1,15 +1,14 @@
 """A simulated Franka arm behind the Franka Control Interface, without a station."""
 
-import contextlib
 import time
 from collections.abc import Callable
+from contextlib import ExitStack, closing, suppress
 from dataclasses import KW_ONLY, dataclass, replace
 
-from station.app.composition import ROBOT_NAMESPACE, SCENE_NAMESPACE
+from station.app.composition import ROBOT_NAMESPACE, root_parameters
 from station.app.shutdown_signals import ShutdownSignals
 from station.config import StationConfig
 from station.core.errors import StationError
-from station.core.parameters import Parameters, ParameterTree
 from station.core.scheduling import realtime_interpreter, request_realtime_priority
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.fci.desk.desk_state import Desk
@@ -60,15 +59,22 @@ class FciRun:
         """Serve until SIGINT, SIGTERM or SIGHUP; return a summary.
 
         Raises:
+            FciRobotError: The robot is not a single Franka arm.
             StationError: The robot or an address cannot be used.
         """
-        interrupted = contextlib.suppress(KeyboardInterrupt)
-        with ShutdownSignals(lambda: None) as signals, interrupted:
+        kind = self.config.robot.type
+        if kind != ROBOT_TYPE:
+            raise FciRobotError(
+                f"robot.type is '{kind}'; the Franka Control Interface serves "
+                f"{ROBOT_TYPE} alone.",
+                remedy=f"Choose a configuration with robot.type {ROBOT_TYPE}.",
+            )
+        with ShutdownSignals(lambda: None) as signals, suppress(KeyboardInterrupt):
             return self._run(lambda: signals.wait(0.0))
         return FciCounts()
 
     def _run(self, is_over: Callable[[], bool]) -> FciCounts:
-        root = self._parameters()
+        root = root_parameters(self.config)
         parameters = read_parameters(root.namespace(ROBOT_NAMESPACE))
         arm_id = parameters.arm_id
         if parameters.remark is not None:
@@ -81,8 +87,8 @@ class FciRun:
         settings, host = replace(self.settings, protocols=protocols), self.settings.host
         model = robot_model_of(parameters)
         server = FciServer(arm, hand, settings, library, robot_model=model)
-        with contextlib.ExitStack() as stack:
-            stack.enter_context(contextlib.closing(server))
+        with ExitStack() as stack:
+            stack.enter_context(closing(server))
             if self.desk_port is not None:
                 # Imported here, because only Desk needs a web server.
                 from station.hw.franka.fci.desk.desk_server import DeskServer
@@ -115,27 +121,6 @@ class FciRun:
                 )
         return server.counts
 
-    def _parameters(self) -> Parameters:
-        """Return the robot's parameters as a station with this configuration has them.
-
-        Raises:
-            FciRobotError: The robot is not a single Franka arm.
-        """
-        kind = self.config.robot.type
-        if kind != ROBOT_TYPE:
-            raise FciRobotError(
-                f"robot.type is '{kind}'; the Franka Control Interface serves "
-                f"{ROBOT_TYPE} alone.",
-                remedy=f"Choose a configuration with robot.type {ROBOT_TYPE}.",
-            )
-        return Parameters(
-            ParameterTree({
-                **self.config.parameters,
-                ROBOT_NAMESPACE: self.config.robot_parameters(),
-                SCENE_NAMESPACE: self.config.scene.model_dump(),
-            })
-        )
-
 
 def robot_model_of(parameters: FrankaParameters) -> str:
     """Return the URDF of an arm for clients.
@@ -143,9 +128,8 @@ def robot_model_of(parameters: FrankaParameters) -> str:
     Raises:
         RobotDescriptionError: The URDF of the arm cannot be used.
     """
-    limits = parameters.limits
-    description = load_arm_description(parameters.robot_description, limits)
-    return write_robot_model(description, limits, parameters.arm)
+    description = load_arm_description(parameters.robot_description, parameters.limits)
+    return write_robot_model(description, parameters.limits, parameters.arm)
 
 
 def model_library_of(
