@@ -23,9 +23,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from station.hw.franka.fci.desk.desk_state import (
     LONGEST_WAIT,
-    NO_END_EFFECTOR,
     Desk,
     DeskRefusalError,
+    InvalidArgumentError,
     load_of,
 )
 
@@ -59,25 +59,23 @@ class Call:
         """Return the fields of the body, which is a JSON object.
 
         Raises:
-            DeskRefusalError: The body is something else.
+            InvalidArgumentError: The body is something else.
         """
         found = self.value() if self._body else {}
         if not isinstance(found, dict):
-            raise DeskRefusalError(400, "InvalidArgument", "The body is no object.")
+            raise InvalidArgumentError("The body is no object.")
         return found
 
     def value(self) -> object:
         """Return the body as JSON.
 
         Raises:
-            DeskRefusalError: The body is not JSON.
+            InvalidArgumentError: The body is not JSON.
         """
         try:
             return json.loads(self._body)
         except ValueError as error:
-            raise DeskRefusalError(
-                400, "InvalidArgument", f"The body is no JSON: {error}."
-            ) from error
+            raise InvalidArgumentError(f"The body is no JSON: {error}.") from error
 
     def text(self, name: str) -> str:
         """Return a field of the body as text; empty without such a field."""
@@ -94,14 +92,13 @@ async def _after(change: Future[None] | None, answer: Answer = None) -> Answer:
 
 def _shown(desk: Desk) -> dict[str, object]:
     """Return the answers to all requests that read, by their paths."""
+    # The control token and the end effector as both interfaces show them.
     token, brakes = desk.token, "Locked" if desk.are_brakes_closed else "Unlocked"
-    told = {} if token is None else {"owner": token.owner, "tokenId": token.number}
-    held = token and {"id": token.number, "requestedBy": token.owner}
+    new = {} if token is None else {"owner": token.owner, "tokenId": token.number}
+    old = token and {"id": token.number, "requestedBy": token.owner}
     active = desk.find_profile(desk.active)
-    kind = (
-        "None" if desk.active == NO_END_EFFECTOR else active.get("endEffector", "Other")
-    )
     params = {**active["inertial"], "transformation": active["tcp"]}
+    tool = {"name": active.get("endEffector", "Other"), "params": params}
     return {
         "/api/system": {
             "status": "Started",
@@ -110,19 +107,15 @@ def _shown(desk: Desk) -> dict[str, object]:
             "cloud": {"status": "Disconnected"},
         },
         "/api/system/operating-mode": {"status": desk.mode},
-        "/api/system/control-token": told,
+        "/api/system/control-token": new,
         "/api/arm": {"status": "Connected", "armType": _ARM_TYPES[desk.kind]},
         "/api/arm/joints": [{"id": i, "brakeStatus": brakes} for i in range(1, 8)],
         "/api/fci": {"status": "Active" if desk.is_fci_active else "Inactive"},
         "/api/safety/recovery": {},
         "/api/safety/self-tests": {"status": "OK", "remaining": 86_400},
-        "/api/configuration": {
-            "endEffectorConfiguration": {
-                "endEffector": {"name": kind, "params": params}
-            }
-        },
+        "/api/configuration": {"endEffectorConfiguration": {"endEffector": tool}},
         "/admin/api/system-status": {
-            "controlToken": {"activeToken": held},
+            "controlToken": {"activeToken": old},
             "derived": {"operatingMode": desk.mode},
             "safety": {
                 "brakeState": [brakes] * 7,
@@ -131,7 +124,7 @@ def _shown(desk: Desk) -> dict[str, object]:
             },
         },
         "/admin/api/control-token": {
-            "activeToken": held,
+            "activeToken": old,
             "fciActive": desk.is_fci_active,
         },
         "/admin/api/end-effector/profiles": [*map(desk.find_profile, desk.profiles)],
@@ -154,13 +147,11 @@ def _mode_of_path(desk: Desk, call: Call) -> Answer:
 async def _take(desk: Desk, call: Call) -> Answer:
     token = desk.request_control(call.text("owner"))
     timeout = min(float(call.json().get("timeout") or 0.0), LONGEST_WAIT)
-    loop = asyncio.get_running_loop()
-    deadline = loop.time() + timeout
     while desk.token is not token:
-        if loop.time() >= deadline:
+        if desk.now() >= token.since + timeout:
             desk.release_control(token.secret)
             holder = "" if desk.token is None else desk.token.owner
-            raise DeskRefusalError(424, "Timeout", f"{holder} has control.")
+            raise DeskRefusalError(f"{holder} has control.", 424, "Timeout")
         await asyncio.sleep(_LOOK)
     return {"token": token.secret, "tokenId": token.number}
 
@@ -183,14 +174,12 @@ def _say(answer: Mapping[str, object]) -> _Handler:
 
 
 def _refuse(_desk: Desk, call: Call) -> Answer:
-    raise DeskRefusalError(
-        424, "SystemState", f"A simulated arm has no {call.request.url.path}."
-    )
+    raise DeskRefusalError(f"A simulated arm has no {call.request.url.path}.")
 
 
 def _login(_desk: Desk, call: Call) -> Answer:
     if not call.text("login"):
-        raise DeskRefusalError(401, "Unauthorized", "The name is missing.")
+        raise DeskRefusalError("The name is missing.", 401, "Unauthorized")
     return PlainTextResponse(secrets.token_hex(16))
 
 
@@ -213,9 +202,7 @@ def _old_fci(desk: Desk, call: Call) -> Answer:
 def _configure(desk: Desk, call: Call) -> Answer:
     told = call.json().get("endEffectorConfiguration", {}).get("endEffector")
     if not isinstance(told, dict) or not isinstance(told.get("params"), dict):
-        raise DeskRefusalError(
-            424, "SystemState", "endEffectorConfiguration alone can be changed here."
-        )
+        raise DeskRefusalError("endEffectorConfiguration alone can be changed here.")
     params = dict(told["params"])
     profile = {
         "name": "Configured",
@@ -306,7 +293,7 @@ def _endpoint(
     async def answer(request: Request) -> Response:
         try:
             if request.url.path != _WITHOUT_LOGIN and not _is_known(request):
-                raise DeskRefusalError(401, "Unauthorized", "Log in first.")
+                raise DeskRefusalError("Log in first.", 401, "Unauthorized")
             call = Call(request, await request.body())
             if is_controlled:
                 desk.check_control(call.token)

@@ -22,11 +22,7 @@ from station.hw.franka.fci.desk.desk_state import Desk
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.web.limited_server import SocketProtocol
 
-HTTPS = 443
-"""Port of Desk: clients that know only the address of the robot use this port."""
 FIRST_FREE_PORT = 1024
-DAYS = 3650
-"""Validity of a certificate [days]."""
 _END = 5.0
 
 
@@ -42,7 +38,7 @@ class DeskServer:
     Args:
         desk: The Desk.
         host: Address to listen at.
-        port: TCP port; 0 for any free one.
+        port: TCP port; 0 for any free one. Most clients know 443 alone.
         folder: Folder of the certificate; the user's own folder if None.
 
     Attributes:
@@ -55,7 +51,7 @@ class DeskServer:
     """
 
     def __init__(
-        self, desk: Desk, host: str, port: int = HTTPS, folder: Path | None = None
+        self, desk: Desk, host: str, port: int, folder: Path | None = None
     ) -> None:
         certificate, key = own_certificate(folder or user_folder("desk"))
         der = ssl.PEM_cert_to_DER_cert(certificate.read_text(encoding="ascii"))
@@ -99,7 +95,7 @@ def own_certificate(folder: Path) -> tuple[Path, Path]:
         return certificate, key
     command = [
         *("openssl", "req", "-x509", "-newkey", "ec"),
-        *("-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", str(DAYS)),
+        *("-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "3650"),
         *("-subj", "/CN=simulated Franka Desk"),
         *("-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1"),
         *("-keyout", str(key), "-out", str(certificate)),

@@ -35,19 +35,32 @@ Profile = dict[str, Any]
 
 
 class DeskRefusalError(StationError):
-    """Desk refuses a request.
+    """Desk refuses a request, by default because of the state of the robot.
 
     Args:
+        message: The reason in words.
         status: The HTTP status of the answer.
         reason: The code of the answer.
-        message: The reason in words.
     """
 
     code = "desk_refusal"
 
-    def __init__(self, status: int, reason: str, message: str) -> None:
+    def __init__(
+        self, message: str, status: int = 424, reason: str = "SystemState"
+    ) -> None:
         super().__init__(message)
         self.status, self.reason = status, reason
+
+
+class InvalidArgumentError(DeskRefusalError):
+    """A request is malformed.
+
+    Args:
+        message: The reason in words.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, 400, "InvalidArgument")
 
 
 class ServerOfDesk(Protocol):
@@ -117,9 +130,10 @@ class Desk:
         """Keep the end effector that the arm has."""
         state = self.arm.state
         load = Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
+        nothing = profile_of("No End Effector", Load(), IDENTITY)
         self.profiles = {
             MOUNTED: profile_of("Mounted", load, (*state.F_T_NE,)),
-            NO_END_EFFECTOR: profile_of("No End Effector", Load(), IDENTITY),
+            NO_END_EFFECTOR: {**nothing, "endEffector": "None"},
         }
 
     def request_control(self, owner: str, *, is_forced: bool = False) -> ControlToken:
@@ -130,8 +144,8 @@ class Desk:
             is_forced: Whether the token is in force at once; on a real robot a person
                 at the arm presses a button for this.
         """
-        number, secret = next(self._numbers), secrets.token_hex(16)
-        token = ControlToken(number, secret, owner, self.now())
+        secret = secrets.token_hex(16)
+        token = ControlToken(next(self._numbers), secret, owner, self.now())
         if self.token is None or is_forced:
             self.token = token
         else:
@@ -166,11 +180,11 @@ class Desk:
         """
         if not secret:
             raise DeskRefusalError(
-                400, "MissingControlToken", "The header X-Control-Token is missing."
+                "The header X-Control-Token is missing.", 400, "MissingControlToken"
             )
         if self.token is None or secret != self.token.secret:
             raise DeskRefusalError(
-                423, "InvalidControlToken", "The control token is not the active one."
+                "The control token is not the active one.", 423, "InvalidControlToken"
             )
 
     def set_brakes(self, *, closed: bool) -> Future[None]:
@@ -186,9 +200,7 @@ class Desk:
             DeskRefusalError: The operating mode is not Execution.
         """
         if active and self.mode != EXECUTION:
-            raise DeskRefusalError(
-                424, "SystemState", "FCI needs the operating mode Execution."
-            )
+            raise DeskRefusalError("FCI needs the operating mode Execution.")
         self.is_fci_active = active
         return self.server.open_or_close(is_open=active)
 
@@ -196,13 +208,11 @@ class Desk:
         """Change the operating mode; Programming deactivates FCI.
 
         Raises:
-            DeskRefusalError: There is no such mode.
+            InvalidArgumentError: There is no such mode.
         """
         wanted = mode.capitalize()
         if wanted not in (EXECUTION, PROGRAMMING):
-            raise DeskRefusalError(
-                400, "InvalidArgument", f"{mode!r} is no operating mode."
-            )
+            raise InvalidArgumentError(f"{mode!r} is no operating mode.")
         self.mode = wanted
         return self.set_fci(active=False) if wanted == PROGRAMMING else None
 
@@ -225,7 +235,7 @@ class Desk:
             DeskRefusalError: No profile has the name.
         """
         if name not in self.profiles:
-            raise DeskRefusalError(404, "NotFound", f"There is no profile {name!r}.")
+            raise DeskRefusalError(f"There is no profile {name!r}.", 404, "NotFound")
         return {**self.profiles[name], "id": name, "active": name == self.active}
 
     def save_profile(self, name: str | None, profile: Profile) -> Profile:
@@ -253,7 +263,7 @@ class Desk:
         self.find_profile(name)
         self._check_own(name)
         if name == self.active:
-            raise DeskRefusalError(424, "SystemState", "The profile is active.")
+            raise DeskRefusalError("The profile is active.")
         del self.profiles[name]
 
     def activate_profile(self, name: str) -> Future[None]:
@@ -268,9 +278,7 @@ class Desk:
 
     def _check_own(self, name: str | None) -> None:
         if name in (NO_END_EFFECTOR, MOUNTED):
-            raise DeskRefusalError(
-                424, "SystemState", f"The profile {name!r} is Desk's own."
-            )
+            raise DeskRefusalError(f"The profile {name!r} is Desk's own.")
 
 
 _AXES = ("x", "y", "z")
@@ -288,7 +296,7 @@ def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
     """Return mass properties and F_T_NE of a profile.
 
     Raises:
-        DeskRefusalError: A number is missing, or malformed.
+        InvalidArgumentError: A number is missing, or malformed.
     """
     try:
         center, tensor, (x, y, z), (roll, pitch, yaw) = (
@@ -297,8 +305,8 @@ def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
         )
         load = Load(float(profile["inertial"]["mass"]), center, tensor)
     except (KeyError, TypeError, ValueError) as error:
-        raise DeskRefusalError(
-            400, "InvalidArgument", f"The end effector is not complete: {error}."
+        raise InvalidArgumentError(
+            f"The end effector is not complete: {error}."
         ) from error
     return load, as_transform(Pose.from_rpy((x, y, z), (roll, pitch, yaw)))
 
