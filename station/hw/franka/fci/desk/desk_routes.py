@@ -95,7 +95,11 @@ def _shown(desk: Desk) -> dict[str, object]:
     # The control token and the end effector as both interfaces show them.
     token, brakes = desk.token, "Locked" if desk.are_brakes_closed else "Unlocked"
     new = {} if token is None else {"owner": token.owner, "tokenId": token.number}
-    old = token and {"id": token.number, "requestedBy": token.owner}
+    old = token and {
+        "id": token.number,
+        "requestedBy": token.owner,
+        "ownedBy": token.owner,
+    }
     active = desk.find_profile(desk.active)
     params = {**active["inertial"], "transformation": active["tcp"]}
     tool = {"name": active.get("endEffector", "Other"), "params": params}
@@ -196,7 +200,7 @@ def _old_release(desk: Desk, call: Call) -> Answer:
 
 def _old_fci(desk: Desk, call: Call) -> Answer:
     desk.check_control(call.text("token"))
-    return _after(desk.set_fci(active=True))
+    return _after(desk.set_fci(active=call.request.method == "POST"))
 
 
 def _configure(desk: Desk, call: Call) -> Answer:
@@ -246,6 +250,10 @@ _FREE: tuple[tuple[str, str, _Handler], ...] = (
     ("POST", "/admin/api/control-token/request", _old_request),
     ("DELETE", "/admin/api/control-token", _old_release),
     ("POST", "/admin/api/control-token/fci", _old_fci),
+    ("DELETE", "/admin/api/control-token/fci", _old_fci),
+    # Older clients close the brakes without control: an arm at rest harms nobody.
+    ("POST", "/desk/api/joints/lock", _brakes(closed=True)),
+    ("POST", "/desk/api/robot/close-brakes", _brakes(closed=True)),
     ("POST", "/admin/api/shutdown", _refuse),
     ("POST", "/desk/api/execution", _refuse),
 )
@@ -264,10 +272,9 @@ _CONTROLLED: tuple[tuple[str, str, _Handler], ...] = (
     ("PUT", "/admin/api/end-effector/profiles/{name}", _save),
     ("DELETE", "/admin/api/end-effector/profiles/{name}", _delete),
     ("POST", "/desk/api/system/fci", _fci(active=True)),
+    ("POST", "/admin/api/reboot", lambda desk, _: _after(desk.reboot())),
     ("POST", "/desk/api/joints/unlock", _brakes(closed=False)),
-    ("POST", "/desk/api/joints/lock", _brakes(closed=True)),
     ("POST", "/desk/api/robot/open-brakes", _brakes(closed=False)),
-    ("POST", "/desk/api/robot/close-brakes", _brakes(closed=True)),
     ("POST", "/desk/api/operating-mode/{mode}", _mode_of_path),
     ("POST", "/desk/api/gripper/homing", lambda desk, _: _after(desk.home_gripper())),
 )
