@@ -111,13 +111,7 @@ def compose(
         StationError: The robot, or a controller to be started, cannot be used.
     """
     clock = clock or SystemClock()
-    tree = ParameterTree({
-        **config.parameters,
-        ROBOT_NAMESPACE: config.robot_parameters(),
-        SCENE_NAMESPACE: config.scene.model_dump(exclude_none=True),
-        **config.controller_parameters(),
-    })
-    root = Parameters(tree)
+    root = root_parameters(config)
     initial = config.station.hardware_components_initial_state
     if initial:
         root.set(f"{CONTROLLER_MANAGER}/{INITIAL_STATE}", dict(initial))
@@ -150,6 +144,18 @@ def compose(
     )
     _check_envelope(config, station.joint_names)
     return Composition(station, _load_controllers(station, config, announce))
+
+
+def root_parameters(config: StationConfig) -> Parameters:
+    """Return the parameters in the root namespace of a configured station."""
+    return Parameters(
+        ParameterTree({
+            **config.parameters,
+            ROBOT_NAMESPACE: config.robot_parameters(),
+            SCENE_NAMESPACE: config.scene.model_dump(exclude_none=True),
+            **config.controller_parameters(),
+        })
+    )
 
 
 def _check_envelope(config: StationConfig, joints: Sequence[str]) -> None:

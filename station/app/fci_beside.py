@@ -13,36 +13,20 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Self
 
-from station.app.fci_run import (
-    FciRobotError,
-    model_library_of,
-    protocols_of,
-    robot_model_of,
-)
+from station.app.fci_run import FciRobotError, model_library_of, robot_model_of
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka import GripperServicesInterface
 from station.core.loop.stop_latch import StopState
+from station.hw.franka.fci.desk.desk_state import Desk
+from station.hw.franka.fci.server import fci_door
 from station.hw.franka.fci.server.client_port import FciPortError
-from station.hw.franka.fci.server.fci_door import (
-    ANSWER,
-    DATA,
-    LAST_WORDS,
-    MEMORY_BYTES,
-    OF_HAND,
-    OPEN,
-    REFUSAL,
-    UDP_PORT,
-    receive_frame,
-    refusal,
-    send_frame,
-)
 from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.robot_protocol import protocols_of
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.hand.hand_services import HandServices
-from station.hw.franka.simulated.simulated_arm import SimulatedArm
 
 _logger = logging.getLogger(__name__)
 _START = 20.0
@@ -80,7 +64,7 @@ class FciBeside:
         desk_port: int | None = None,
     ) -> None:
         hw, loop = station.loop.hw, station.loop
-        if not isinstance(hw, FrankaHW) or hw.simulated_world() is None:
+        if not isinstance(hw, FrankaHW) or (world := hw.simulated_world()) is None:
             raise FciRobotError(
                 "fci.enabled is true; the Franka Control Interface serves one "
                 "simulated arm of type franka_hw/FrankaHW alone.",
@@ -89,14 +73,14 @@ class FciBeside:
         library = model_library_of(hw.parameters, warn)
         self._loop, self._hw, self._host, self._warn = loop, hw, host, warn
         self._memory = os.memfd_create("station-fci")
-        os.ftruncate(self._memory, MEMORY_BYTES)
-        shared, hand = mmap.mmap(self._memory, MEMORY_BYTES), _hand_of(hw)
+        os.ftruncate(self._memory, fci_door.MEMORY_BYTES)
+        shared, hand = mmap.mmap(self._memory, fci_door.MEMORY_BYTES), _hand_of(hw)
         self._pages = SharedPage(shared), SharedPage(shared, PAGE_BYTES)
         self._guest = FciGuest(
             hw.arm,
             self._pages[0],
             library,
-            protocols_of(hw.parameters, version),
+            protocols_of(hw.parameters.arm, version),
             robot_model_of(hw.parameters),
             is_commanded=lambda: hw.is_commanded,
             may_move=self._may_move,
@@ -105,7 +89,7 @@ class FciBeside:
         if hand is not None:
             self._hand = HandGuest(hand, self._pages[1], may_move=self._may_move)
         self._closing = contextlib.ExitStack()
-        self._thread: threading.Thread | None = None
+        self._process: subprocess.Popen[bytes] | None = None
         # One thread carries out the requests of Desk one after the other.
         self._changes = ThreadPoolExecutor(1, "fci-desk")
         self._closing.callback(os.close, self._memory)
@@ -114,7 +98,12 @@ class FciBeside:
         try:
             self._open_door()
             if desk_port is not None:
-                self._serve_desk(desk_port, hand)
+                # Imported here, because only Desk needs a web server.
+                from station.hw.franka.fci.desk.desk_server import DeskServer
+
+                arm = world.arms[hw.parameters.arm_id]
+                desk = Desk(self, arm, hand, hw.parameters.arm)
+                self._closing.callback(DeskServer(desk, host, desk_port).close)
         except StationError:
             self.close()
             raise
@@ -138,47 +127,25 @@ class FciBeside:
         """Start the process that clients connect to, or end it; see `ServerOfDesk`."""
         return self._changes.submit(self._open_door if is_open else self._close_door)
 
-    def _serve_desk(self, port: int, hand: HandServices | None) -> None:
-        """Serve Desk until `close`.
-
-        Raises:
-            StationError: The port or the certificate cannot be used.
-        """
-        # Imported here, because only Desk needs this web server.
-        from station.hw.franka.fci.desk.desk_server import DeskServer, new_desk
-        from station.hw.franka.fci.desk.desk_state import ServedArm
-
-        arm, parameters = self._hw.arm, self._hw.parameters
-        if not isinstance(arm, SimulatedArm):
-            return
-        kind = "FR3" if parameters.arm == "fr3" else "Panda"
-        desk = new_desk(ServedArm(self, arm, hand, kind), is_ready=True)
-        self._closing.callback(DeskServer(desk, self._host, port).close)
-
     def _open_door(self) -> None:
         """Start the process that serves clients, if it does not run.
 
         Raises:
             StationError: The address cannot be used.
         """
-        if self._thread is not None:
+        if self._process is not None:
             return
         for page in self._pages:  # drop answers that the last process has not sent
             page.take_answers()
         self._pipe, other = socket.socketpair()
+        inherited = (other.fileno(), self._memory)
+        command = [sys.executable, "-m", fci_door.__name__, self._host]
+        command += [*map(str, inherited), *([] if self._hand is None else ["hand"])]
         with other:
             # The process keeps the scheduling of the station's threads, because it
             # sends a message every 1 ms.
-            inherited = (other.fileno(), self._memory)
             self._process = subprocess.Popen(
-                [
-                    sys.executable,
-                    "-m",
-                    "station.hw.franka.fci.server.fci_door",
-                    self._host,
-                    *map(str, inherited),
-                    *([] if self._hand is None else ["hand"]),
-                ],
+                command,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 pass_fds=inherited,
@@ -186,32 +153,28 @@ class FciBeside:
             )
         self._thread = threading.Thread(target=self._serve, name="fci", daemon=True)
         try:
-            self._await_door(self._host)
+            self._await_door()
         except StationError:
-            self._end_process()
-            self._pipe.close()
-            self._thread = None
+            self._close_door()
             raise
         self._thread.start()
 
     def _close_door(self) -> None:
         """End the process, if it runs, and so disconnect the client."""
-        if self._thread is None:
+        process, self._process = self._process, None
+        if process is None:
             return
-        self._end_process()
-        self._thread.join(_END)
-        self._pipe.close()
-        self._thread = None
-
-    def _end_process(self) -> None:
         self._pipe.shutdown(socket.SHUT_RDWR)
         try:
-            self._process.wait(_END)
+            process.wait(_END)
         except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+            process.kill()
+            process.wait()
+        if self._thread.is_alive():
+            self._thread.join(_END)
+        self._pipe.close()
 
-    def _await_door(self, host: str) -> None:
+    def _await_door(self) -> None:
         """Wait until the process listens.
 
         Raises:
@@ -219,15 +182,13 @@ class FciBeside:
         """
         self._pipe.settimeout(_START)
         try:
-            kind, body = receive_frame(self._pipe)
+            _, body = fci_door.receive_frame(self._pipe)
+            # The body of a refusal; the answer of a process that listens is empty.
+            reason = body[fci_door.LAST_WORDS.size :].decode()
         except OSError as error:
-            kind, body = (
-                REFUSAL,
-                refusal(f"The server at {host} did not start: {error}"),
-            )
+            reason = f"The server at {self._host} did not start: {error}"
         self._pipe.settimeout(None)
-        if kind == REFUSAL:
-            reason = body[LAST_WORDS.size :].decode()
+        if reason:
             raise FciPortError(reason, remedy="Choose another fci.host.")
 
     def _welcome(self) -> None:
@@ -249,29 +210,31 @@ class FciBeside:
         pipe = self._pipe
         try:
             while True:
-                kind, data = receive_frame(pipe)
+                action = partial(self._carry_out, *fci_door.receive_frame(pipe))
                 try:
-                    action = partial(self._carry_out, kind, data)
                     answers, port = self._loop.run_in_cycle(action)
                 except StationError as error:
-                    _logger.warning("Franka Control Interface: %s", error.message)
                     told = error.answers if isinstance(error, FciProtocolError) else b""
-                    send_frame(pipe, REFUSAL, refusal(error.message, told))
+                    kind, body = fci_door.REFUSAL, fci_door.refusal(error.message, told)
+                    reason = error.message
                 else:
-                    send_frame(pipe, ANSWER, UDP_PORT.pack(port or 0) + answers)
-                    if reason := self._guest.take_reason():
-                        _logger.warning("Franka Control Interface: %s", reason)
+                    head = fci_door.UDP_PORT.pack(port or 0)
+                    kind, body = fci_door.ANSWER, head + answers
+                    reason = self._guest.take_reason()
+                if reason:
+                    _logger.warning("Franka Control Interface: %s", reason)
+                fci_door.send_frame(pipe, kind, body)
         except OSError:
             self._say_goodbye()
 
     def _carry_out(self, kind: int, data: bytes) -> tuple[bytes, int | None]:
         """Carry out the request of a frame. Control thread."""
         guest: FciGuest | HandGuest = self._guest
-        if kind > OF_HAND and self._hand is not None:
-            guest, kind = self._hand, kind - OF_HAND
-        if kind == DATA:
+        if kind > fci_door.OF_HAND and self._hand is not None:
+            guest, kind = self._hand, kind - fci_door.OF_HAND
+        if kind == fci_door.DATA:
             return guest.receive(data)
-        if kind == OPEN:
+        if kind == fci_door.OPEN:
             guest.open()
         else:
             guest.leave()

@@ -21,7 +21,7 @@ from station.core.errors import ArmCommandError, SwitchRefusedError
 from station.core.franka import RobotMode
 from station.core.loop.stop_latch import StopState
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.fci.desk.desk_server import ServedArm, new_desk
+from station.hw.franka.fci.desk.desk_state import Desk
 from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.fci.driver.network import FciNetwork, FciNetworkError
 from station.hw.franka.fci.server.client_port import FciPortError
@@ -148,7 +148,7 @@ def test_desk_beside_the_controllers_opens_brakes_and_never_the_stop(tmp_path):
     built.loop.start()
     arm, motion = built.loop.hw.arm, (JOINTS, MotionGeneratorMode.JOINT_POSITION)
     with FciBeside(built, HOST, pytest.fail) as beside:
-        desk = new_desk(ServedArm(beside, arm, None, "Panda"), is_ready=True)
+        desk = Desk(beside, arm, None, "panda")
         assert (desk.are_brakes_closed, desk.is_fci_active) == (False, True)
         built.switch_controllers(SwitchRequest(start=["holder"]))
         built.stop("test")

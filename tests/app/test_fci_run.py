@@ -5,11 +5,12 @@ import os
 import pytest
 
 from station.app import fci_run
-from station.app.composition import ROBOT_NAMESPACE
-from station.app.fci_run import FciRobotError, FciRun, protocols_of, robot_model_of
+from station.app.composition import ROBOT_NAMESPACE, root_parameters
+from station.app.fci_run import FciRobotError, FciRun, robot_model_of
 from station.config import load_config
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
 from station.hw.franka.fci.server.model_library import ModelLibraryError
+from station.hw.franka.fci.wire.robot_protocol import protocols_of
 from station.hw.franka.franka_parameters import read_parameters
 
 # A loopback address of this process alone: libfranka's ports are fixed.
@@ -84,9 +85,9 @@ def test_without_a_compiler_the_arm_is_served_without_a_model(make, monkeypatch)
 
 @pytest.mark.parametrize(("arm", "own"), [("panda", 5), ("fr3", 10)])
 def test_arm_speaks_all_versions_and_names_its_newest_to_others(make, arm, own):
-    root = make(f"robot: {{arm: {arm}}}\n")[0]._parameters()
+    root = root_parameters(make(f"robot: {{arm: {arm}}}\n")[0].config)
     parameters = read_parameters(root.namespace(ROBOT_NAMESPACE))
-    spoken = [protocol.version for protocol in protocols_of(parameters)]
+    spoken = [protocol.version for protocol in protocols_of(arm)]
     assert (sorted(spoken), spoken[-1]) == ([5, 6, 7, 8, 9, 10], own)
-    assert [one.version for one in protocols_of(parameters, 8)] == [8]
+    assert [one.version for one in protocols_of(arm, 8)] == [8]
     assert f'<robot name="{arm}">' in robot_model_of(parameters)

@@ -25,9 +25,9 @@ CHECK = Path("check")
 _SUITE = "station.testing.fci_conformance"
 _NO_ENDPOINT = 4  # pytest's code for wrong usage: no answer, or no known version
 _HIGHEST_PORT = 65_535
-# Options that only the check, or only the server has, with their default values.
-_OF_CHECK = {"address": None, "move": False, "port": None, "report": None}
-_OF_SERVER = {"host": "127.0.0.1", "patience": 0.0, "desk": None}
+# Words and options that only the check, or only the server has.
+_OF_CHECK = ("address", "move", "port", "report")
+_OF_SERVER = ("host", "patience", "desk")
 
 
 def add_check(parser: "Parser") -> None:
@@ -66,9 +66,9 @@ def refuse_other_options(options: Namespace) -> None:
         UsageError: Such an option was given.
     """
     is_check = options.config == CHECK
-    for name, default in (_OF_SERVER if is_check else _OF_CHECK).items():
-        if getattr(options, name) != default:
-            verbs = "station fci", "station fci check ADDRESS"
+    verbs = "station fci", "station fci check ADDRESS"
+    for name in _OF_SERVER if is_check else _OF_CHECK:
+        if getattr(options, name) != options.default_of(name):
             word = "ADDRESS" if name == "address" else f"--{name}"
             raise UsageError(
                 f"`{verbs[is_check]}` has no {word}.",
@@ -97,21 +97,18 @@ def check(options: Namespace) -> int:
             "The checks are tests of pytest, which is not installed.",
             remedy="Install it: pip install pytest.",
         )
+    # A configuration of pytest in the present folder is meant for other tests, so the
+    # checks run in a folder of their own.
     with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "report.json" if options.report is None else None
-        command = _command(options, file or options.report.absolute())
-        # A configuration of pytest in the present folder is meant for other tests, so
-        # ignore it.
+        report = (options.report or Path(folder, "report.json")).absolute()
         output = subprocess.DEVNULL if options.json else None
-        code = subprocess.run(
-            command, cwd=folder, stdout=output, check=False
-        ).returncode
-        if code == _NO_ENDPOINT:
+        command = _command(options, report)
+        run = subprocess.run(command, cwd=folder, stdout=output, check=False)
+        if run.returncode == _NO_ENDPOINT:
             return 1
         if options.json:
-            report = file or options.report
             say_json(json.loads(report.read_text(encoding="utf-8")))
-    return code
+    return run.returncode
 
 
 def _command(options: Namespace, report: Path) -> list[str]:
@@ -120,7 +117,8 @@ def _command(options: Namespace, report: Path) -> list[str]:
     return [
         *(sys.executable, "-m", "pytest", "-c", os.devnull, "-p", "no:cacheprovider"),
         *("-p", f"{_SUITE}.plugin", "--pyargs", _SUITE),
-        *("-q", "--no-header", "--tb=no", "--no-summary"),
+        # Not --no-summary: up to pytest 9.0 it keeps the matrix back as well.
+        *("-q", "--no-header", "--tb=no", "-rN", "--disable-warnings"),
         *("--fci", options.address, f"--fci-report={report}", *given),
         *(["--fci-move"] if options.move else []),
     ]

@@ -2,17 +2,19 @@
 
 Source: libfranka@0.15.0 src/robot_impl.cpp, src/control_loop.cpp, the order of requests
 and answers; differs: the client neither limits nor filters commands, and reports every
-answer.
+answer. Answers are told in words, e.g. `success` or `reflex aborted`.
 """
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
-from enum import IntEnum
-from typing import Any, TypeAlias
+from math import inf, sqrt
+from typing import TypeAlias
 
 from typing_extensions import override
 
+from station.core.errors import StationError
 from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.fci.driver.fci_client import RobotAnswer, robot_client
@@ -22,20 +24,20 @@ from station.hw.franka.fci.wire.robot_protocol import (
     NO_GENERATOR,
     PROTOCOLS,
     Command,
-    ConnectStatus,
-    MoveController,
     MoveGenerator,
-    MoveStatus,
     RobotProtocol,
 )
+from station.testing.fci_conformance.trajectories import (
+    START,
+    Motion,
+    State,
+    farthest,
+    glide,
+)
 
-State: TypeAlias = Mapping[str, Any]
-"""The fields of a state by their names on the wire."""
-Fields: TypeAlias = Mapping[str, Any]
-"""Fields of a command; those that are left out are zero."""
-Stream: TypeAlias = Callable[[int, State], Fields | None]
-"""Function of a cycle (from 0) and its state that returns the command; None sends none.
-"""
+STARTED, SUCCESS = "motion started", "success"
+"""Answers that the checks ask for most."""
+SUCCESS_RATE = "control_command_success_rate"
 Verdict: TypeAlias = tuple[bool, object]
 """Whether a check holds, and the behaviour that it has seen."""
 
@@ -47,6 +49,11 @@ _REFUSED_FOR = 2.0
 """Longest time for which an endpoint may refuse a client after the last one has left
 [s]."""
 _PAUSE = 0.02
+_SPEED = (1.0, 1.0, 1.0, 1.0, 1.6, 1.6, 1.6)  # [rad/s]
+_ACCELERATION = 5.0  # [rad/s^2]
+_SHORTEST = 0.2  # [s]
+_THERE = 0.02
+_STILL = 1e-3  # [rad/s]
 _SLOWEST = 10.0  # largest ratio of a simulated motion's wall time to its own time
 _ROOM = 8192
 _DEVIATIONS = (10.0, 3.12, 6.283)
@@ -56,38 +63,6 @@ class FciSilenceError(Exception):
     """The endpoint did not send the message that a client waits for."""
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """The modes and the commands of a motion.
-
-    Attributes:
-        controller: The controller.
-        generator: The motion generator; None for torques only.
-        stream: The commands.
-    """
-
-    controller: MoveController
-    generator: MoveGenerator | None
-    stream: Stream
-
-    def without(self, is_left_out: Callable[[int], bool]) -> "Motion":
-        """Return the motion without the commands of some cycles."""
-        stream = self.stream
-        return replace(
-            self, stream=lambda n, s: None if is_left_out(n) else stream(n, s)
-        )
-
-    def watched(self, look: Callable[[int, State], object]) -> "Motion":
-        """Return the motion with a call of `look` before each command."""
-        stream = self.stream
-
-        def watch(cycle: int, state: State) -> Fields | None:
-            look(cycle, state)
-            return stream(cycle, state)
-
-        return replace(self, stream=watch)
-
-
 @dataclass(slots=True)
 class Outcome:
     """The course of a motion.
@@ -95,50 +70,47 @@ class Outcome:
     Attributes:
         started: The first answer to Move.
         ended: The second answer to Move; None if none came.
-        first: The first state that showed the motion; None without one.
-        last: The newest state: before the end, and afterwards after the end.
+        states: The states while the motion ran, by their cycles from 0 on.
+        sent: The cycles in which a command was sent.
+        first: The first state that showed the motion; empty without one.
+        last: The newest state after the end.
         errors: Names of the errors that ended the motion.
-        lowest_rate: Lowest success rate of the states from the 100th cycle on.
     """
 
-    started: int
-    ended: int | None = None
+    started: str
+    ended: str | None = None
+    states: dict[int, State] = field(default_factory=dict)
+    sent: list[int] = field(default_factory=list)
     first: State = field(default_factory=dict)
     last: State = field(default_factory=dict)
     errors: Sequence[str] = ()
-    lowest_rate: float = 1.0
 
     @property
     def is_success(self) -> bool:
         """Return whether the motion has ended as its client asked."""
-        return self.ended == MoveStatus.SUCCESS
+        return self.ended == SUCCESS
 
     @property
     def is_clean(self) -> bool:
         """Return whether the motion succeeded, and the states report no error."""
         return self.is_success and not self.errors
 
+    @property
+    def lowest_rate(self) -> float:
+        """Lowest success rate of the states after cycle 100."""
+        later = (state for cycle, state in self.states.items() if cycle > 100)
+        moving = (one for one in later if one["robot_mode"] == RobotMode.MOVE.value)
+        return min((one[SUCCESS_RATE] for one in moving), default=1.0)
+
     @override
     def __str__(self) -> str:
         """Return the course in words."""
-        if self.started != MoveStatus.MOTION_STARTED:
-            return f"Move answered with {words(MoveStatus, self.started)}"
-        end = "no end" if self.ended is None else words(MoveStatus, self.ended)
+        if self.started != STARTED:
+            return f"Move answered with {self.started}"
         because = f" ({', '.join(self.errors)})" if self.errors else ""
         rate = self.lowest_rate
         late = f"; down to {rate:.0%} of the commands in time" if rate < 1.0 else ""
-        return f"{end}{because}{late}"
-
-
-def words(kind: type[IntEnum], status: int) -> str:
-    """Return a status as words, e.g. `reflex aborted`.
-
-    Args:
-        kind: The statuses of the command.
-        status: One of them, or one that the version does not have.
-    """
-    known = next((one.name for one in kind if one == status), f"unknown {status}")
-    return known.lower().replace("_", " ")
+        return f"{self.ended or 'no end'}{because}{late}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,20 +130,8 @@ class Endpoint:
     may_move: bool = False
 
     def open(self) -> "Dialog":
-        """Return a client that has connected and has received a state.
-
-        Raises:
-            OSError: The port is closed, or no answer comes; a `FciNetworkError`.
-            FciSilenceError: No state comes.
-        """
-        dialog = Dialog(open_network(self.host, self.port), self.protocol)
-        try:
-            dialog.connect()
-            dialog.next_state()
-        except (OSError, FciSilenceError):
-            dialog.close()
-            raise
-        return dialog
+        """Return a client that has connected and has received a state; see `Dialog`."""
+        return Dialog(open_network(self.host, self.port), self.protocol)
 
 
 def open_network(host: str, port: int) -> FciNetwork:
@@ -207,7 +167,7 @@ def find_protocol(host: str, port: int, wanted: int | None) -> RobotProtocol:
     told = 0
     for asked in sorted(PROTOCOLS, reverse=True) if wanted is None else [wanted]:
         status, told = ask_version(host, port, asked)
-        if status == ConnectStatus.SUCCESS:
+        if status == SUCCESS:
             return PROTOCOLS[asked]
     known = wanted or " or ".join(map(str, PROTOCOLS))
     raise FciSilenceError(
@@ -215,27 +175,24 @@ def find_protocol(host: str, port: int, wanted: int | None) -> RobotProtocol:
     )
 
 
-def ask_version(host: str, port: int, version: int) -> tuple[int, int]:
-    """Return the status of Connect for a version, and the version in the answer.
+def ask_version(host: str, port: int, version: int) -> tuple[str, int]:
+    """Return the answer to Connect with a version, and the version in the answer.
 
     Raises:
         FciNetworkError: The endpoint does not answer.
     """
-    network = open_network(host, port)
-    try:
+    with closing(open_network(host, port)) as network:
         client = robot_client(network, PROTOCOLS[max(PROTOCOLS)])
         values = {"version": version, "udp_port": network.udp_port}
         answer = client.ask(Command.CONNECT, values)
-        return answer.status, answer.values["version"]
-    finally:
-        network.close()
+        return answer.words, answer.values["version"]
 
 
 class Dialog:
-    """A connected client. Only one thread may use it.
+    """A client that has connected and has received a state. Only one thread may use it.
 
     Args:
-        network: The sockets.
+        network: The sockets, which the dialog closes.
         protocol: The version of the protocol.
 
     Attributes:
@@ -245,6 +202,11 @@ class Dialog:
         state: The newest state.
         sizes: The sizes of the datagrams that were received [bytes].
         late: Number of states during motions that this client has not answered in time.
+
+    Raises:
+        StationError: No answer comes (`FciNetworkError`), or the endpoint speaks
+            another version (`IncompatibleVersionError`).
+        FciSilenceError: No state comes.
     """
 
     def __init__(self, network: FciNetwork, protocol: RobotProtocol) -> None:
@@ -255,15 +217,12 @@ class Dialog:
         self.late = 0
         self._waited = 0
         self._buffer = bytearray(_ROOM)
-
-    def connect(self) -> None:
-        """Connect, and agree on the version.
-
-        Raises:
-            FciNetworkError: No answer comes.
-            IncompatibleVersionError: The endpoint speaks another version.
-        """
-        self.client.connect()
+        try:
+            self.client.connect()
+            self.next_state()
+        except (StationError, FciSilenceError):
+            self.close()
+            raise
 
     def close(self) -> None:
         """Close the connection."""
@@ -273,16 +232,16 @@ class Dialog:
         """Send a request, and return its first answer; see `FciClient.ask`."""
         return self.client.ask(command, values)
 
-    def expect(self, command: Command, wanted: IntEnum, **values: object) -> Verdict:
-        """Send a request; return whether its status is the wanted one, and the status.
+    def expect(self, command: Command, wanted: str, **values: object) -> Verdict:
+        """Send a request; return whether the answer is the wanted one, and the answer.
 
         Args:
             command: The command.
-            wanted: The status.
+            wanted: The status in words.
             values: The fields of the request.
         """
-        status = self.ask(command, **values).status
-        return status == wanted, words(type(wanted), status)
+        told = self.ask(command, **values).words
+        return told == wanted, told
 
     def next_state(self) -> State:
         """Wait for a state that is newer than the last one, and return it.
@@ -294,7 +253,7 @@ class Dialog:
             FciSilenceError: No state comes within a second.
         """
         deadline = time.monotonic() + WAIT
-        layout = self.protocol.state
+        version, layout = self.protocol.version, self.protocol.state
         size, self._waited = self._drain()
         while time.monotonic() < deadline:
             size = size or self.network.wait(self._buffer)
@@ -302,8 +261,7 @@ class Dialog:
                 self.sizes.add(size)
                 if size < layout.size:
                     raise FciSilenceError(
-                        f"a state of {size} bytes; version {self.protocol.version} has "
-                        f"{layout.size}"
+                        f"a state of {size} bytes; version {version} has {layout.size}"
                     )
                 state = layout.unpack(memoryview(self._buffer)[: layout.size])
                 if not self.state or state["message_id"] > self.state["message_id"]:
@@ -349,35 +307,21 @@ class Dialog:
             self.next_state()
         return True
 
-    def start(self, motion: Motion, **values: object) -> tuple[int, RobotAnswer]:
-        """Ask for a motion; return the number of the request, and the first answer.
+    def start(self, motion: Motion, **values: object) -> RobotAnswer:
+        """Ask for a motion; return the first answer.
 
-        Raises:
-            FciNetworkError: No answer comes.
+        Args:
+            motion: The motion.
+            values: Further fields of Move.
         """
-        request = {
-            "controller_mode": motion.controller,
-            "motion_generator_mode": self._generator(motion),
-            "maximum_path_deviation": _DEVIATIONS,
-            "maximum_goal_pose_deviation": _DEVIATIONS,
+        return self.ask(
+            Command.MOVE,
+            controller_mode=motion.controller,
+            motion_generator_mode=motion.generator,
+            maximum_path_deviation=_DEVIATIONS,
+            maximum_goal_pose_deviation=_DEVIATIONS,
             **values,
-        }
-        number = self.client.send(Command.MOVE, request)
-        answer = self.client.take_answer(number, WAIT)
-        if answer is None:
-            raise FciNetworkError("no answer to Move within 1 s")
-        return number, answer
-
-    def _generator(self, motion: Motion) -> MoveGenerator:
-        """Return the generator; before version 7 a torque motion has one of velocities.
-
-        Source: libfranka@0.9.2 src/robot.cpp, Robot::control.
-        """
-        if motion.generator is not None:
-            return motion.generator
-        none = MoveGenerator.NONE
-        is_known = none in self.protocol.generators
-        return none if is_known else MoveGenerator.JOINT_VELOCITY
+        )
 
     def move(self, motion: Motion, cycles: int, **values: object) -> Outcome:
         """Run a motion to its end, and return its course.
@@ -395,67 +339,108 @@ class Dialog:
             FciSilenceError: The endpoint sends no states, or they do not show the
                 motion.
         """
-        number, answer = self.start(motion, **values)
-        outcome = Outcome(answer.status)
-        if outcome.started != MoveStatus.MOTION_STARTED:
+        # Before version 7 a motion of torques has a generator of velocities. Source:
+        # libfranka@0.9.2 src/robot.cpp, Robot::control.
+        if motion.generator not in self.protocol.generators:
+            motion = replace(motion, generator=MoveGenerator.JOINT_VELOCITY)
+        answer = self.start(motion, **values)
+        outcome = Outcome(answer.words)
+        if outcome.started != STARTED:
             return outcome
-        generator = self._generator(motion)
-        shown = 1 + generator, motion.controller
-        if not self.wait_until(lambda s: _modes(s) == shown, WAIT):
-            raise FciSilenceError(
-                f"the states show the modes {_modes(self.state)} for a motion with "
-                f"{shown}"
-            )
-        is_torque = generator is MoveGenerator.NONE
-        finished = f"{'torque_command' if is_torque else 'motion_generation'}_finished"
-        self._follow(number, motion.stream, cycles, finished, outcome)
+        self._await_modes(1 + motion.generator, motion.controller)
+        self._follow(answer.command_id, motion, cycles, outcome)
+        if outcome.ended not in {SUCCESS, None}:
+            self.wait_until(lambda state: any(state["reflex_reason"]), 0.1)
+        outcome.errors = error_names(self.state["reflex_reason"])
         if outcome.ended is not None:
-            idle = NO_GENERATOR, NO_CONTROLLER
-            if not self.wait_until(lambda s: _modes(s) == idle, WAIT):
-                raise FciSilenceError(
-                    f"the states show the modes {_modes(self.state)} after the end"
-                )
+            self._await_modes(NO_GENERATOR, NO_CONTROLLER)
         outcome.last = self.state
         return outcome
 
+    def _await_modes(self, *wanted: int) -> None:
+        """Wait until the states show a motion generator and a controller.
+
+        Raises:
+            FciSilenceError: They do not.
+        """
+        if not self.wait_until(lambda state: _modes(state) == wanted, WAIT):
+            raise FciSilenceError(
+                f"the states show the modes {_modes(self.state)} instead of {wanted}"
+            )
+
+    def recover(self) -> str:
+        """Recover once; return `idle` if the arm is idle then, else the answer.
+
+        Raises:
+            FciNetworkError: No answer comes.
+        """
+        number = self.client.send(Command.AUTOMATIC_ERROR_RECOVERY)
+        answer = self.client.take_answer(number, LONGEST_END)
+        if answer is None or answer.words != SUCCESS:
+            silence = f"no answer within {LONGEST_END:g} s"
+            return silence if answer is None else answer.words
+        if not self.wait_until(lambda s: s["robot_mode"] == RobotMode.IDLE.value, 1.0):
+            return f"success, and robot mode {self.state['robot_mode']}"
+        is_clear = not any(self.state["errors"])
+        return "idle" if is_clear else "success, and the errors are still there"
+
+    def go_to(self, q: Sequence[float] = START) -> None:
+        """Move the joints slowly to a pose; recover from a reflex first if necessary.
+
+        Raises:
+            FciNetworkError: The endpoint does not answer.
+            FciSilenceError: The arm does not arrive.
+        """
+        if self.settle()["robot_mode"] != RobotMode.IDLE.value:
+            self.recover()
+        # The arm may still be slowing down from the last motion.
+        self.wait_until(lambda s: max(map(abs, s["dq_d"])) < _STILL, 1.0)
+        way = [goal - now for goal, now in zip(q, self.state["q_d"], strict=True)]
+        longest = max(map(abs, way))
+        if longest < 1e-3:
+            return
+        # In `glide` the peaks of velocity and acceleration are so much above the mean.
+        slow = max(1.875 * abs(a) / v for a, v in zip(way, _SPEED, strict=True))
+        seconds = max(_SHORTEST, slow, sqrt(5.7735 * longest / _ACCELERATION))
+        cycles = round(1000.0 * seconds)
+        outcome = self.move(glide(way, cycles), cycles + 20)
+        # A compliant arm arrives after the end of its motion.
+        is_there = outcome.is_success and self.wait_until(
+            lambda state: farthest(state["q"], q) < _THERE, 0.5
+        )
+        if not is_there:
+            away = farthest(outcome.last["q"], q) if outcome.ended else inf
+            raise FciSilenceError(
+                f"on the way to the pose of the check: {outcome}, {away:.3f} rad off it"
+            )
+
     def _follow(
-        self, number: int, stream: Stream, cycles: int, finished: str, outcome: Outcome
+        self, number: int, motion: Motion, cycles: int, outcome: Outcome
     ) -> None:
-        state = outcome.first = self.state
-        begin = state["message_id"]
+        is_torque = motion.generator is MoveGenerator.NONE
+        finished = f"{'torque_command' if is_torque else 'motion_generation'}_finished"
+        begin = outcome.first = self.state
         deadline = time.monotonic() + _SLOWEST * cycles / 1000.0 + LONGEST_END
-        while time.monotonic() < deadline:
-            cycle = state["message_id"] - begin
-            values = stream(min(cycle, cycles), state)
+        while outcome.ended is None and time.monotonic() < deadline:
+            state = self.state
+            cycle = state["message_id"] - begin["message_id"]
+            outcome.states[cycle] = state
+            values = motion.stream(min(cycle, cycles), state, begin)
             if values is not None:
-                self.command({finished: cycle >= cycles, **values})
+                head = {"message_id": state["message_id"], finished: cycle >= cycles}
+                command = self.protocol.command.pack({**head, **values})
+                self.network.send_datagram(bytearray(command))
+                outcome.sent.append(cycle)
             answer = self.client.take_answer(number)
             if answer is None:
-                before, state = state["message_id"], self.next_state()
                 # A state that was waiting had come before the last one was answered.
-                self.late += state["message_id"] - before - 1 + (self._waited > 0)
+                missed = self.next_state()["message_id"] - state["message_id"] - 1
+                self.late += missed + (self._waited > 0)
                 answer = self.client.take_answer(number)
-            if cycle >= 100 and state["robot_mode"] == RobotMode.MOVE.value:
-                rate = state["control_command_success_rate"]
-                outcome.lowest_rate = min(outcome.lowest_rate, rate)
             if answer is not None:
-                outcome.ended = answer.status
-                break
+                outcome.ended = answer.words
         # Only the state with the end of the motion may be waiting.
         self.late += max(0, self._drain()[1] - 1)
-        if outcome.ended not in (MoveStatus.SUCCESS, None):
-            self.wait_until(has_errors, 0.1)
-        outcome.errors = error_names(self.state["reflex_reason"])
-
-    def command(self, values: Fields) -> None:
-        """Send a command that answers the newest state."""
-        message = {"message_id": self.state["message_id"], **values}
-        self.network.send_datagram(bytearray(self.protocol.command.pack(message)))
-
-
-def has_errors(state: State) -> bool:
-    """Return whether a state shows errors of the last motion."""
-    return any(state["reflex_reason"])
 
 
 def _modes(state: State) -> tuple[int, int]:

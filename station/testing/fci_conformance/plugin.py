@@ -1,20 +1,20 @@
 """A plug-in of pytest: options and fixtures of the checks, and a matrix of results."""
 
 import json
+from collections import Counter
 from collections.abc import Generator, Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from inspect import getdoc, signature
+from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from station.core.errors import StationError
 from station.core.franka.franka_robot_state import RobotMode
-from station.core.scheduling import (
-    realtime_interpreter,
-    request_realtime_priority,
-)
+from station.core.scheduling import realtime_interpreter, request_realtime_priority
 from station.hw.franka.fci.wire.robot_protocol import PANDA, PROTOCOLS
 from station.testing.fci_conformance.dialog import (
     Dialog,
@@ -22,11 +22,8 @@ from station.testing.fci_conformance.dialog import (
     FciSilenceError,
     find_protocol,
 )
-from station.testing.fci_conformance.trajectories import go_to, recover
+from station.testing.fci_conformance.trajectories import State
 
-PASSED, FAILED = "passed", "failed"
-NOT_IN_VERSION = "not in this version"
-MOVES = "skipped: it moves the arm"
 _AREAS = ("reading", "motions", "errors")
 _TRIES = 3
 """Most attempts at a check in which this client was late."""
@@ -51,24 +48,20 @@ class Row:
     expected: str = ""
     seen: str = ""
 
-    def expect(self, expected: str) -> None:
-        """Note the expected behaviour."""
-        self.expected = expected
-
-    def see(self, seen: object) -> None:
-        """Note the observed behaviour."""
-        self.seen = str(seen)
+    def see_more(self, seen: str) -> None:
+        """Add to the behaviour."""
+        self.seen = f"{self.seen}; {seen}" if self.seen else seen
 
 
 def needs(is_there: bool) -> None:  # noqa: FBT001 - a condition
     """Skip the check if the spoken version of the protocol lacks the feature."""
     if not is_there:
-        pytest.skip(NOT_IN_VERSION)
+        pytest.skip("not in this version")
 
 
 _endpoint_key = pytest.StashKey[Endpoint]()
-_rows_key = pytest.StashKey[list[Row]]()
 _row_key = pytest.StashKey[Row]()
+_rows_key = pytest.StashKey[list[Row]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -80,13 +73,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--fci-version",
         type=int,
         choices=sorted(PROTOCOLS),
-        help="version that the client speaks; the newest that the robot has if left "
-        "out",
+        help="the client's version; by default the newest that the robot has",
     )
     group.addoption(
-        "--fci-move",
-        action="store_true",
-        help="move the arm, provoke its errors, recover",
+        "--fci-move", action="store_true", help="move the arm, provoke errors, recover"
     )
     group.addoption("--fci-report", type=Path, metavar="FILE", help="write JSON")
 
@@ -121,25 +111,20 @@ def pytest_itemcollected(item: pytest.Item) -> None:
     if not item.module.__name__.startswith(__package__ or ""):  # type: ignore[attr-defined]
         return
     words = item.name.removeprefix("test_").replace("_", " ")
-    name, _, rest = words.partition("[")
-    case = rest.removesuffix("]")
+    check = words.replace("[", ": ", 1).removesuffix("]")
     area = item.module.__name__.rpartition(".test_")[2]  # type: ignore[attr-defined]
-    row = Row(f"{name}: {case}" if case else name, area)
-    row.expect((getdoc(item.function) or "").removesuffix("."))  # type: ignore[attr-defined]
-    item.stash[_row_key] = row
-    item.config.stash[_rows_key].append(row)
+    told = (getdoc(item.function) or "").removesuffix(".")  # type: ignore[attr-defined]
+    item.stash[_row_key] = Row(check, area, expected=told)
 
 
-def pytest_collection_modifyitems(
-    config: pytest.Config, items: list[pytest.Item]
-) -> None:
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Sort the checks: reading checks first, checks that provoke errors last."""
 
-    def place(row: Row | None) -> int:
-        return _AREAS.index(row.area) if row is not None and row.area in _AREAS else -1
+    def place(item: pytest.Item) -> int:
+        row = item.stash.get(_row_key, None)
+        return -1 if row is None else _AREAS.index(row.area)
 
-    items.sort(key=lambda item: place(item.stash.get(_row_key, None)))
-    config.stash[_rows_key].sort(key=place)
+    items.sort(key=place)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -167,8 +152,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
     row = pyfuncitem.stash.get(_row_key, None)
     if row is None:
         return None
-    found = pyfuncitem.funcargs.get("dialog")
-    dialog = found if isinstance(found, Dialog) else None
+    dialog: Any = pyfuncitem.funcargs.get("dialog")
     names = signature(pyfuncitem.obj).parameters
     arguments = {name: pyfuncitem.funcargs[name] for name in names}
     for tries_left in reversed(range(_TRIES)):
@@ -177,16 +161,15 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
             if dialog is not None:
                 dialog.late = 0
                 if pyfuncitem.get_closest_marker("moves"):
-                    go_to(dialog)
+                    dialog.go_to()
             holds, seen = pyfuncitem.obj(**arguments)
-            row.see(seen)
+            row.seen = str(seen)
             if not holds:
                 raise AssertionError(row.seen)
         except (AssertionError, FciSilenceError):
             if dialog is None or not dialog.late:
                 raise
-            late = f"this side was late in {dialog.late} cycles"
-            row.seen = f"{row.seen}; {late}" if row.seen else late
+            row.see_more(f"this side was late in {dialog.late} cycles")
             if not tries_left:
                 raise
         else:
@@ -201,7 +184,7 @@ def endpoint(request: pytest.FixtureRequest) -> Endpoint:
     if found is None:
         pytest.skip("no endpoint: give its address with --fci")
     if request.node.get_closest_marker("moves") and not found.may_move:
-        pytest.skip(MOVES)
+        pytest.skip("skipped: it moves the arm")
     return found
 
 
@@ -219,8 +202,14 @@ def dialog(endpoint: Endpoint) -> Iterator[Dialog]:
     yield opened
     if endpoint.may_move and opened.state["robot_mode"] == RobotMode.REFLEX.value:
         with suppress(OSError, FciSilenceError):  # the check has reported it already
-            recover(opened)
+            opened.recover()
     opened.close()
+
+
+@pytest.fixture
+def state(dialog: Dialog) -> State:
+    """Return the newest state."""
+    return dialog.settle()
 
 
 @pytest.hookimpl(wrapper=True)
@@ -232,72 +221,40 @@ def pytest_runtest_makereport(
     row = item.stash.get(_row_key, None)
     if row is None or (report.when != "call" and report.passed):
         return report
-    if report.skipped:
-        row.result = _reason(report).removeprefix("Skipped: ")
-    elif report.passed:
-        row.result = PASSED
-    else:
-        row.result = FAILED
-        error = call.excinfo.value if call.excinfo is not None else None
-        if not isinstance(error, AssertionError) or not row.seen:
-            before = f"{row.seen}; " if row.seen else ""
-            row.seen = f"{before}{type(error).__name__}: {error}"
+    if not row.result:
+        item.config.stash[_rows_key].append(row)
+    error = call.excinfo.value if call.excinfo is not None else None
+    row.result = str(error) if report.skipped else report.outcome
+    if report.failed and not (isinstance(error, AssertionError) and row.seen):
+        row.see_more(f"{type(error).__name__}: {error}")
     return report
 
 
-def _results(config: pytest.Config) -> list[Row]:
-    """Return the rows of the selected checks that have a result."""
-    return [row for row in config.stash[_rows_key] if row.result]
-
-
-def _reason(report: pytest.TestReport) -> str:
-    """Return the reason for which a check was skipped."""
-    told = report.longrepr
-    return str(told[2]) if isinstance(told, tuple) else str(told)
-
-
 def pytest_terminal_summary(
-    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+    terminalreporter: "pytest.TerminalReporter", config: pytest.Config
 ) -> None:
-    """Print the matrix."""
+    """Print the matrix, and write the report."""
     endpoint = config.stash.get(_endpoint_key, None)
     if endpoint is None:
         return
-    write = terminalreporter.write_line
-    where = f"{endpoint.host}:{endpoint.port}"
-    write("")
-    write(f"Franka Control Interface {endpoint.protocol.version} at {where}")
-    rows = _results(config)
+    rows, write = config.stash[_rows_key], terminalreporter.write_line
+    address, version = f"{endpoint.host}:{endpoint.port}", endpoint.protocol.version
+    write(f"\nFranka Control Interface {version} at {address}")
     width = max((len(row.check) for row in rows), default=0)
-    area = ""
-    for row in rows:
-        if row.area != area:
-            area = row.area
-            write(f"\n{area}")
-        write(f"  {row.check:{width}}  {row.result}")
-        if row.result == FAILED:
-            write(f"  {'':{width}}    expected: {row.expected or 'no error'}")
-            write(f"  {'':{width}}    seen:     {row.seen}")
-    write(f"\n{summary(rows)}")
-
-
-def summary(rows: list[Row]) -> str:
-    """Return the numbers of checks by their results, e.g. `20 passed, 1 failed`."""
-    results = [row.result for row in rows]
-    return ", ".join(f"{results.count(r)} {r}" for r in dict.fromkeys(results))
-
-
-def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Write the report."""
-    config = session.config
-    file = config.getoption("--fci-report")
-    endpoint = config.stash.get(_endpoint_key, None)
-    if file is None or endpoint is None:
-        return
-    report = {
-        "address": f"{endpoint.host}:{endpoint.port}",
-        "version": endpoint.protocol.version,
-        "moved": endpoint.may_move,
-        "checks": [asdict(row) for row in _results(config)],
-    }
-    file.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    for area, in_area in groupby(rows, key=lambda row: row.area):
+        write(f"\n{area}")
+        for row in in_area:
+            write(f"  {row.check:{width}}  {row.result}")
+            if row.result == "failed":
+                write(f"  {'':{width}}    expected: {row.expected or 'no error'}")
+                write(f"  {'':{width}}    seen:     {row.seen}")
+    results = Counter(row.result for row in rows)
+    write("\n" + ", ".join(f"{count} {result}" for result, count in results.items()))
+    if (file := config.getoption("--fci-report")) is not None:
+        report = {
+            "address": address,
+            "version": version,
+            "moved": endpoint.may_move,
+            "checks": [asdict(row) for row in rows],
+        }
+        file.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")

@@ -160,7 +160,7 @@ def runs(monkeypatch):
 
     def run(self):
         begun.append(self)
-        self._tell("ready")
+        self.tell("ready")
         return FciCounts()
 
     monkeypatch.setattr(FciRun, "run", run)
@@ -173,8 +173,8 @@ def test_the_configured_arm_is_served_where_it_is_told(runs, tmp_path, capsys):
     code = main(["fci", str(file), "--host", "127.0.0.9", "--patience", "0.5"])
     assert code == 0
     (run,) = runs
-    assert run._config.robot_parameters()["arm_id"] == "left"
-    assert (run._settings.host, run._settings.patience) == ("127.0.0.9", 0.5)
+    assert run.config.robot_parameters()["arm_id"] == "left"
+    assert (run.settings.host, run.settings.patience) == ("127.0.0.9", 0.5)
     assert capsys.readouterr().out == "ready\n"
 
 
@@ -183,7 +183,7 @@ def test_the_configured_arm_is_served_where_it_is_told(runs, tmp_path, capsys):
 )
 def test_desk_is_served_when_told(runs, line, port):
     assert main(["fci", *line.split()]) == 0
-    assert runs[0]._desk_port == port
+    assert runs[0].desk_port == port
 
 
 @pytest.mark.usefixtures("runs")

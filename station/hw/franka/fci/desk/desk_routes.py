@@ -12,8 +12,8 @@ import json
 import secrets
 from collections.abc import Awaitable, Callable, Mapping
 from concurrent.futures import Future
+from contextlib import suppress
 from typing import Any
-from urllib.parse import parse_qs
 
 from starlette.applications import Starlette
 from starlette.requests import HTTPConnection, Request
@@ -23,10 +23,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from station.hw.franka.fci.desk.desk_state import (
     LONGEST_WAIT,
-    NO_END_EFFECTOR,
-    ControlToken,
     Desk,
     DeskRefusalError,
+    InvalidArgumentError,
     load_of,
 )
 
@@ -34,6 +33,7 @@ JOINTS_PERIOD = 0.1
 """Time between two messages with the joints' positions [s]."""
 _LOOK = 0.05
 _CARRIED_OUT = 2.0
+_ARM_TYPES = {"panda": "Panda", "fr3": "FR3"}
 _DONE = Response(status_code=204)
 Answer = Any
 _Handler = Callable[[Desk, "Call"], Answer]  # or an awaitable of one
@@ -45,45 +45,41 @@ class Call:
     Args:
         request: The request.
         body: Body of the request.
+
+    Attributes:
+        path: Parts of the path, by their names in the route.
+        token: The control token; empty without one.
     """
 
     def __init__(self, request: Request, body: bytes) -> None:
         self.request, self._body = request, body
+        self.token = request.headers.get("x-control-token", "")
 
     def json(self) -> Mapping[str, Any]:
-        """Return the fields of the body, which is a JSON object or a form.
+        """Return the fields of the body, which is a JSON object.
 
         Raises:
-            DeskRefusalError: The body is neither.
+            InvalidArgumentError: The body is something else.
         """
-        if "x-www-form-urlencoded" in self.request.headers.get("content-type", ""):
-            return {k: v[0] for k, v in parse_qs(self._body.decode()).items()}
         found = self.value() if self._body else {}
         if not isinstance(found, dict):
-            raise DeskRefusalError(400, "InvalidArgument", "The body is no object.")
+            raise InvalidArgumentError("The body is no object.")
         return found
 
     def value(self) -> object:
         """Return the body as JSON.
 
         Raises:
-            DeskRefusalError: The body is not JSON.
+            InvalidArgumentError: The body is not JSON.
         """
         try:
             return json.loads(self._body)
         except ValueError as error:
-            raise DeskRefusalError(
-                400, "InvalidArgument", f"The body is no JSON: {error}."
-            ) from error
+            raise InvalidArgumentError(f"The body is no JSON: {error}.") from error
 
     def text(self, name: str) -> str:
         """Return a field of the body as text; empty without such a field."""
         return str(self.json().get(name) or "")
-
-    @property
-    def token(self) -> str | None:
-        """The control token of the header."""
-        return self.request.headers.get("x-control-token")
 
 
 async def _after(change: Future[None] | None, answer: Answer = None) -> Answer:
@@ -94,9 +90,54 @@ async def _after(change: Future[None] | None, answer: Answer = None) -> Answer:
     return {} if answer is None else answer
 
 
-def _system(desk: Desk, _call: Call) -> Answer:
-    serial = {"controlSerialNumber": "simulated", "cloud": {"status": "Disconnected"}}
-    return {"status": "Started", "operatingMode": desk.mode, **serial}
+def _shown(desk: Desk) -> dict[str, object]:
+    """Return the answers to all requests that read, by their paths."""
+    # The control token and the end effector as both interfaces show them.
+    token, brakes = desk.token, "Locked" if desk.are_brakes_closed else "Unlocked"
+    new = {} if token is None else {"owner": token.owner, "tokenId": token.number}
+    old = token and {
+        "id": token.number,
+        "requestedBy": token.owner,
+        "ownedBy": token.owner,
+    }
+    active = desk.find_profile(desk.active)
+    params = {**active["inertial"], "transformation": active["tcp"]}
+    tool = {"name": active.get("endEffector", "Other"), "params": params}
+    return {
+        "/api/system": {
+            "status": "Started",
+            "operatingMode": desk.mode,
+            "controlSerialNumber": "simulated",
+            "cloud": {"status": "Disconnected"},
+        },
+        "/api/system/operating-mode": {"status": desk.mode},
+        "/api/system/control-token": new,
+        "/api/arm": {"status": "Connected", "armType": _ARM_TYPES[desk.kind]},
+        "/api/arm/joints": [{"id": i, "brakeStatus": brakes} for i in range(1, 8)],
+        "/api/fci": {"status": "Active" if desk.is_fci_active else "Inactive"},
+        "/api/safety/recovery": {},
+        "/api/safety/self-tests": {"status": "OK", "remaining": 86_400},
+        "/api/configuration": {"endEffectorConfiguration": {"endEffector": tool}},
+        "/admin/api/system-status": {
+            "controlToken": {"activeToken": old},
+            "derived": {"operatingMode": desk.mode},
+            "safety": {
+                "brakeState": [brakes] * 7,
+                "recoverableErrors": {"td2Timeout": False},
+                "safetyControllerStatus": "Idle",
+            },
+        },
+        "/admin/api/control-token": {
+            "activeToken": old,
+            "fciActive": desk.is_fci_active,
+        },
+        "/admin/api/end-effector/profiles": [*map(desk.find_profile, desk.profiles)],
+        "/admin/api/end-effector/profiles/active": active,
+    }
+
+
+def _show(desk: Desk, call: Call) -> Answer:
+    return _shown(desk)[call.request.url.path]
 
 
 def _change_mode(desk: Desk, call: Call) -> Answer:
@@ -107,38 +148,21 @@ def _mode_of_path(desk: Desk, call: Call) -> Answer:
     return _after(desk.change_mode(call.request.path_params["mode"]))
 
 
-def _token(desk: Desk, _call: Call) -> Answer:
-    token = desk.token
-    return {} if token is None else {"owner": token.owner, "tokenId": token.number}
-
-
 async def _take(desk: Desk, call: Call) -> Answer:
     token = desk.request_control(call.text("owner"))
     timeout = min(float(call.json().get("timeout") or 0.0), LONGEST_WAIT)
-    loop = asyncio.get_running_loop()
-    deadline = loop.time() + timeout
     while desk.token is not token:
-        if loop.time() >= deadline:
+        if desk.now() >= token.since + timeout:
             desk.release_control(token.secret)
             holder = "" if desk.token is None else desk.token.owner
-            raise DeskRefusalError(424, "Timeout", f"{holder} has control.")
+            raise DeskRefusalError(f"{holder} has control.", 424, "Timeout")
         await asyncio.sleep(_LOOK)
     return {"token": token.secret, "tokenId": token.number}
 
 
 def _release(desk: Desk, call: Call) -> Answer:
-    desk.check_control(call.token)
-    desk.release_control(call.token or "")
+    desk.release_control(call.token)
     return _DONE
-
-
-def _arm(desk: Desk, _call: Call) -> Answer:
-    return {"status": "Connected", "armType": desk.arm.kind}
-
-
-def _joints(desk: Desk, _call: Call) -> Answer:
-    status = "Locked" if desk.are_brakes_closed else "Unlocked"
-    return [{"id": number, "brakeStatus": status} for number in range(1, 8)]
 
 
 def _brakes(*, closed: bool) -> _Handler:
@@ -149,32 +173,18 @@ def _fci(*, active: bool) -> _Handler:
     return lambda desk, _call: _after(desk.set_fci(active=active))
 
 
-def _fci_status(desk: Desk, _call: Call) -> Answer:
-    return {"status": "Active" if desk.is_fci_active else "Inactive"}
-
-
 def _say(answer: Mapping[str, object]) -> _Handler:
     return lambda _desk, _call: answer
 
 
-def _reboot(desk: Desk, _call: Call) -> Answer:
-    return _after(desk.reboot(), _DONE)
-
-
 def _refuse(_desk: Desk, call: Call) -> Answer:
-    raise DeskRefusalError(
-        424, "SystemState", f"A simulated arm has no {call.request.url.path}."
-    )
+    raise DeskRefusalError(f"A simulated arm has no {call.request.url.path}.")
 
 
 def _login(_desk: Desk, call: Call) -> Answer:
     if not call.text("login"):
-        raise DeskRefusalError(401, "Unauthorized", "The name is missing.")
+        raise DeskRefusalError("The name is missing.", 401, "Unauthorized")
     return PlainTextResponse(secrets.token_hex(16))
-
-
-def _old_token(desk: Desk, _call: Call) -> Answer:
-    return {"activeToken": _as_old(desk.token), "fciActive": desk.is_fci_active}
 
 
 def _old_request(desk: Desk, call: Call) -> Answer:
@@ -190,67 +200,25 @@ def _old_release(desk: Desk, call: Call) -> Answer:
 
 def _old_fci(desk: Desk, call: Call) -> Answer:
     desk.check_control(call.text("token"))
-    return _after(desk.set_fci(active=True))
-
-
-def _old_status(desk: Desk, _call: Call) -> Answer:
-    brakes = "Locked" if desk.are_brakes_closed else "Unlocked"
-    return {
-        "controlToken": {"activeToken": _as_old(desk.token)},
-        "derived": {"operatingMode": desk.mode},
-        "safety": {
-            "brakeState": [brakes] * 7,
-            "recoverableErrors": {"td2Timeout": False},
-            "safetyControllerStatus": "Idle",
-        },
-    }
-
-
-def _as_old(token: ControlToken | None) -> object:
-    return token and {
-        "id": token.number,
-        "requestedBy": token.owner,
-        "ownedBy": token.owner,
-    }
-
-
-def _home(desk: Desk, _call: Call) -> Answer:
-    return _after(desk.arm.home_gripper())
-
-
-def _configuration(desk: Desk, _call: Call) -> Answer:
-    profile = desk.find_profile(desk.active)
-    name = "None" if desk.active == NO_END_EFFECTOR else "Other"
-    end_effector = {
-        "name": profile.get("endEffector", name),
-        "params": {**profile["inertial"], "transformation": profile["tcp"]},
-    }
-    return {"endEffectorConfiguration": {"endEffector": end_effector}}
+    return _after(desk.set_fci(active=call.request.method == "POST"))
 
 
 def _configure(desk: Desk, call: Call) -> Answer:
     told = call.json().get("endEffectorConfiguration", {}).get("endEffector")
     if not isinstance(told, dict) or not isinstance(told.get("params"), dict):
-        raise DeskRefusalError(
-            424, "SystemState", "endEffectorConfiguration alone can be changed here."
-        )
+        raise DeskRefusalError("endEffectorConfiguration alone can be changed here.")
     params = dict(told["params"])
-    tcp = params.pop("transformation", None)
     profile = {
         "name": "Configured",
         "endEffector": str(told.get("name") or "Other"),
         "deviceId": "ee-no-gripper",
+        "tcp": params.pop("transformation", None),
         "inertial": params,
-        "tcp": tcp,
     }
     load_of(profile)
     # This interface knows one end effector, whatever its name was before.
     desk.profiles["ee-configured"] = profile
     return _after(desk.activate_profile("ee-configured"), _DONE)
-
-
-def _profiles(desk: Desk, _call: Call) -> Answer:
-    return [desk.find_profile(name) for name in desk.profiles]
 
 
 def _save(desk: Desk, call: Call) -> Answer:
@@ -265,42 +233,32 @@ def _delete(desk: Desk, call: Call) -> Answer:
     return _DONE
 
 
-def _active_profile(desk: Desk, _call: Call) -> Answer:
-    return desk.find_profile(desk.active)
-
-
 def _activate(desk: Desk, call: Call) -> Answer:
     return _after(desk.activate_profile(str(call.value())), _DONE)
 
 
-# Method, path, handler; requests of `_CONTROLLED` need the control token.
+_WITHOUT_LOGIN = "/admin/api/login"
+# Method, path and handler of requests that change something; those of `_CONTROLLED`
+# need the control token.
 _FREE: tuple[tuple[str, str, _Handler], ...] = (
-    ("GET", "/api/system", _system),
-    ("GET", "/api/system/operating-mode", lambda desk, _: {"status": desk.mode}),
-    ("GET", "/api/system/control-token", _token),
     ("POST", "/api/system/control-token:take", _take),
-    ("POST", "/api/system/control-token:release", _release),
-    ("GET", "/api/arm", _arm),
-    ("GET", "/api/arm/joints", _joints),
-    ("GET", "/api/fci", _fci_status),
-    ("GET", "/api/safety/recovery", _say({})),
     ("POST", "/api/safety/recovery:confirm", _say({})),
-    ("GET", "/api/safety/self-tests", _say({"status": "OK", "remaining": 86_400})),
-    ("GET", "/api/configuration", _configuration),
-    ("POST", "/api/system:reboot", _reboot),
+    ("POST", "/api/system:reboot", lambda desk, _: _after(desk.reboot(), _DONE)),
     ("POST", "/api/system:shutdown", _refuse),
+    ("POST", _WITHOUT_LOGIN, _login),
     ("POST", "/admin/api/logout", _say({})),
-    ("GET", "/admin/api/system-status", _old_status),
-    ("GET", "/admin/api/control-token", _old_token),
     ("POST", "/admin/api/control-token/request", _old_request),
     ("DELETE", "/admin/api/control-token", _old_release),
     ("POST", "/admin/api/control-token/fci", _old_fci),
+    ("DELETE", "/admin/api/control-token/fci", _old_fci),
+    # Older clients close the brakes without control: an arm at rest harms nobody.
+    ("POST", "/desk/api/joints/lock", _brakes(closed=True)),
+    ("POST", "/desk/api/robot/close-brakes", _brakes(closed=True)),
     ("POST", "/admin/api/shutdown", _refuse),
-    ("GET", "/admin/api/end-effector/profiles", _profiles),
-    ("GET", "/admin/api/end-effector/profiles/active", _active_profile),
     ("POST", "/desk/api/execution", _refuse),
 )
 _CONTROLLED: tuple[tuple[str, str, _Handler], ...] = (
+    ("POST", "/api/system/control-token:release", _release),
     ("POST", "/api/system/operating-mode:change", _change_mode),
     ("POST", "/api/arm/joints:unlock", _brakes(closed=False)),
     ("POST", "/api/arm/joints:lock", _brakes(closed=True)),
@@ -314,14 +272,12 @@ _CONTROLLED: tuple[tuple[str, str, _Handler], ...] = (
     ("PUT", "/admin/api/end-effector/profiles/{name}", _save),
     ("DELETE", "/admin/api/end-effector/profiles/{name}", _delete),
     ("POST", "/desk/api/system/fci", _fci(active=True)),
+    ("POST", "/admin/api/reboot", lambda desk, _: _after(desk.reboot())),
     ("POST", "/desk/api/joints/unlock", _brakes(closed=False)),
-    ("POST", "/desk/api/joints/lock", _brakes(closed=True)),
     ("POST", "/desk/api/robot/open-brakes", _brakes(closed=False)),
-    ("POST", "/desk/api/robot/close-brakes", _brakes(closed=True)),
     ("POST", "/desk/api/operating-mode/{mode}", _mode_of_path),
-    ("POST", "/desk/api/gripper/homing", _home),
+    ("POST", "/desk/api/gripper/homing", lambda desk, _: _after(desk.home_gripper())),
 )
-_WITHOUT_LOGIN = "/admin/api/login"
 
 
 def _is_known(connection: HTTPConnection) -> bool:
@@ -344,7 +300,7 @@ def _endpoint(
     async def answer(request: Request) -> Response:
         try:
             if request.url.path != _WITHOUT_LOGIN and not _is_known(request):
-                raise DeskRefusalError(401, "Unauthorized", "Log in first.")
+                raise DeskRefusalError("Log in first.", 401, "Unauthorized")
             call = Call(request, await request.body())
             if is_controlled:
                 desk.check_control(call.token)
@@ -361,39 +317,37 @@ def _endpoint(
 
 def make_app(desk: Desk) -> Starlette:
     """Return the web application of a Desk."""
+    reading = [("GET", path, _show) for path in _shown(desk)]
     routes: list[BaseRoute] = [
-        Route(path, _endpoint(desk, handler, is_controlled=number == 1), methods=[m])
-        for number, table in enumerate((_FREE, _CONTROLLED))
+        Route(path, _endpoint(desk, handler, is_controlled=is_controlled), methods=[m])
+        for table, is_controlled in (((*reading, *_FREE), False), (_CONTROLLED, True))
         for m, path, handler in table
     ]
-    login = _endpoint(desk, _login, is_controlled=False)
-    routes.append(Route(_WITHOUT_LOGIN, login, methods=["POST"]))
 
     async def tell_joints(socket: WebSocket) -> None:
-        await _speak(socket, lambda: json.dumps({"jointAngles": desk.arm.joints()}))
-
-    async def tell_buttons(socket: WebSocket) -> None:
-        await _speak(socket, None)
+        await socket.send_json({"jointAngles": [*desk.arm.state.q]})
+        await asyncio.sleep(JOINTS_PERIOD)
 
     routes += [
-        WebSocketRoute("/desk/api/robot/configuration", tell_joints),
-        WebSocketRoute("/desk/api/navigation/events", tell_buttons),
+        WebSocketRoute("/desk/api/robot/configuration", _repeat(tell_joints)),
+        # Nobody presses a button of a simulated arm: only the end of the client comes.
+        WebSocketRoute("/desk/api/navigation/events", _repeat(WebSocket.receive)),
     ]
     return Starlette(routes=routes)
 
 
-async def _speak(socket: WebSocket, say: Callable[[], str] | None) -> None:
-    """Send messages until the client goes; without `say`, send none."""
-    if not _is_known(socket):
-        await socket.close()
-        return
-    await socket.accept()
-    try:
-        while True:
-            if say is None:
-                await socket.receive()
-            else:
-                await socket.send_text(say())
-                await asyncio.sleep(JOINTS_PERIOD)
-    except (WebSocketDisconnect, RuntimeError):
-        return
+def _repeat(
+    step: Callable[[WebSocket], Awaitable[object]],
+) -> Callable[[WebSocket], Awaitable[None]]:
+    """Return the endpoint of a WebSocket that repeats a step until the client goes."""
+
+    async def serve(socket: WebSocket) -> None:
+        if not _is_known(socket):
+            await socket.close()
+            return
+        await socket.accept()
+        with suppress(WebSocketDisconnect, RuntimeError):
+            while True:
+                await step(socket)
+
+    return serve

@@ -10,30 +10,19 @@ import socket
 import ssl
 import subprocess
 import threading
+from functools import partial
 from pathlib import Path
 
 import uvicorn
 
 from station.core.errors import StationError
 from station.core.user_files import make_private_folder, user_folder
-from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.load import Load
 from station.hw.franka.fci.desk.desk_routes import make_app
-from station.hw.franka.fci.desk.desk_state import (
-    MOUNTED,
-    NO_END_EFFECTOR,
-    Desk,
-    ServedArm,
-    profile_of,
-)
+from station.hw.franka.fci.desk.desk_state import Desk
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.web.limited_server import SocketProtocol
 
-HTTPS = 443
-"""Port of Desk: clients that know only the address of the robot use this port."""
 FIRST_FREE_PORT = 1024
-DAYS = 3650
-"""Validity of a certificate [days]."""
 _END = 5.0
 
 
@@ -43,38 +32,17 @@ class DeskCertificateError(StationError):
     code = "desk_certificate"
 
 
-def new_desk(arm: ServedArm, *, is_ready: bool = False) -> Desk:
-    """Return a Desk with the end effector that is mounted.
-
-    Args:
-        arm: The arm.
-        is_ready: Whether the brakes are open and FCI is active already; else the brakes
-            are closed and FCI is off.
-    """
-    desk = Desk(
-        arm,
-        {
-            MOUNTED: profile_of("Mounted", *arm.mounted()),
-            NO_END_EFFECTOR: profile_of("No End Effector", Load(), IDENTITY),
-        },
-    )
-    if is_ready:
-        desk.are_brakes_closed, desk.is_fci_active = False, True
-    else:
-        desk.reboot()
-    return desk
-
-
 class DeskServer:
     """Serves a Desk until it is closed.
 
     Args:
         desk: The Desk.
         host: Address to listen at.
-        port: TCP port.
+        port: TCP port; 0 for any free one. Most clients know 443 alone.
         folder: Folder of the certificate; the user's own folder if None.
 
     Attributes:
+        port: TCP port.
         fingerprint: SHA-256 of the certificate, as hexadecimal digits.
 
     Raises:
@@ -83,12 +51,13 @@ class DeskServer:
     """
 
     def __init__(
-        self, desk: Desk, host: str, port: int = HTTPS, folder: Path | None = None
+        self, desk: Desk, host: str, port: int, folder: Path | None = None
     ) -> None:
         certificate, key = own_certificate(folder or user_folder("desk"))
         der = ssl.PEM_cert_to_DER_cert(certificate.read_text(encoding="ascii"))
         self.fingerprint = hashlib.sha256(der).hexdigest()
         self._listener = _listen(host, port)
+        self.port: int = self._listener.getsockname()[1]
         config = uvicorn.Config(
             make_app(desk),
             ssl_certfile=certificate,
@@ -101,23 +70,15 @@ class DeskServer:
             ws=SocketProtocol,
         )
         self._server = uvicorn.Server(config)
-        self._thread = threading.Thread(target=self._run, name="desk", daemon=True)
+        serve = partial(self._server.run, sockets=[self._listener])
+        self._thread = threading.Thread(target=serve, name="desk", daemon=True)
         self._thread.start()
-
-    @property
-    def port(self) -> int:
-        """TCP port."""
-        number: int = self._listener.getsockname()[1]
-        return number
 
     def close(self) -> None:
         """Stop listening."""
         self._server.should_exit = True
         self._thread.join(_END)
         self._listener.close()
-
-    def _run(self) -> None:
-        self._server.run(sockets=[self._listener])
 
 
 def own_certificate(folder: Path) -> tuple[Path, Path]:
@@ -134,7 +95,7 @@ def own_certificate(folder: Path) -> tuple[Path, Path]:
         return certificate, key
     command = [
         *("openssl", "req", "-x509", "-newkey", "ec"),
-        *("-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", str(DAYS)),
+        *("-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "3650"),
         *("-subj", "/CN=simulated Franka Desk"),
         *("-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1"),
         *("-keyout", str(key), "-out", str(certificate)),
@@ -155,13 +116,9 @@ def own_certificate(folder: Path) -> tuple[Path, Path]:
 
 
 def _listen(host: str, port: int) -> socket.socket:
-    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind((host, port))
-        listener.listen()
+        return socket.create_server((host, port))
     except OSError as error:
-        listener.close()
         remedy = "End what listens there, or choose another --host, e.g. 127.0.0.2."
         if isinstance(error, PermissionError) and port < FIRST_FREE_PORT:
             remedy = (
@@ -170,7 +127,8 @@ def _listen(host: str, port: int) -> socket.socket:
                 "--desk 8443, for clients that take `127.0.0.1:8443` as the robot's "
                 "address in Desk; most take the address alone and need 443."
             )
+        # `create_server` adds the address.
+        reason = str(error.strerror).partition(" (while")[0]
         raise FciPortError(
-            f"Desk cannot be served at {host}:{port}: {error.strerror}.", remedy=remedy
+            f"Desk cannot be served at {host}:{port}: {reason}.", remedy=remedy
         ) from error
-    return listener

@@ -13,11 +13,12 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
-from math import asin, atan2
 from typing import Any, Protocol
 
 from station.core.description.urdf import Pose
 from station.core.errors import StationError
+from station.core.numerics.poses import quaternion_of
+from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.load import Load
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.end_effector import as_transform
@@ -34,19 +35,32 @@ Profile = dict[str, Any]
 
 
 class DeskRefusalError(StationError):
-    """Desk refuses a request.
+    """Desk refuses a request, by default because of the state of the robot.
 
     Args:
+        message: The reason in words.
         status: The HTTP status of the answer.
         reason: The code of the answer.
-        message: The reason in words.
     """
 
     code = "desk_refusal"
 
-    def __init__(self, status: int, reason: str, message: str) -> None:
+    def __init__(
+        self, message: str, status: int = 424, reason: str = "SystemState"
+    ) -> None:
         super().__init__(message)
         self.status, self.reason = status, reason
+
+
+class InvalidArgumentError(DeskRefusalError):
+    """A request is malformed.
+
+    Args:
+        message: The reason in words.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, 400, "InvalidArgument")
 
 
 class ServerOfDesk(Protocol):
@@ -57,54 +71,6 @@ class ServerOfDesk(Protocol):
 
     def open_or_close(self, *, is_open: bool) -> Future[None]:
         """Let programs of libfranka connect, or send them away and refuse them."""
-
-
-@dataclass(frozen=True, slots=True)
-class ServedArm:
-    """Desk's way to the arm that a server serves. Any thread; changes between cycles.
-
-    Attributes:
-        server: The server.
-        arm: The arm.
-        hand: The hand; None without a hand.
-        kind: Kind of arm, as Desk calls it.
-    """
-
-    server: ServerOfDesk
-    arm: SimulatedArm
-    hand: HandServices | None
-    kind: str
-
-    def set_brakes(self, *, closed: bool) -> Future[None]:
-        """Close or open the brakes; an arm with closed brakes is in the mode Other."""
-        set_brakes = self.arm.simulation().set_brakes
-        return self.server.change(partial(set_brakes, closed=closed))
-
-    def set_fci(self, *, active: bool) -> Future[None]:
-        """Let programs of libfranka connect, or send them away and refuse them."""
-        return self.server.open_or_close(is_open=active)
-
-    def set_end_effector(self, load: Load, frame: tuple[float, ...]) -> Future[None]:
-        """Report another end effector, and its frame F_T_NE, in the arm's state."""
-        return self.server.change(partial(self.arm.set_mounted, load, frame))
-
-    def home_gripper(self) -> Future[None]:
-        """Begin the homing of the hand, if there is one."""
-        return self.server.change(self._home)
-
-    def joints(self) -> list[float]:
-        """Return the positions of the joints [rad], shape (7,)."""
-        return [*self.arm.state.q]
-
-    def mounted(self) -> tuple[Load, tuple[float, ...]]:
-        """Return the end effector of the state, and F_T_NE."""
-        state = self.arm.state
-        load = Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
-        return load, (*state.F_T_NE,)
-
-    def _home(self) -> None:
-        if self.hand is not None:
-            self.hand.homing()
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,28 +94,47 @@ class ControlToken:
 class Desk:
     """The state of Desk, and its rules. One thread, that of its server.
 
+    The arm and the hand are changed between two cycles, by the server of libfranka's
+    programs.
+
     Attributes:
+        server: The server of libfranka's programs.
         arm: The arm.
-        profiles: The end effectors by their names, those of Desk among them.
-        active: Name of the active end effector.
+        hand: The hand; None without a hand.
+        kind: Kind of arm, `panda` or `fr3`.
+        are_brakes_closed: Whether the joints are locked.
+        is_fci_active: Whether programs of libfranka can connect.
         mode: The operating mode.
-        are_brakes_closed: Whether the joints are locked; at the start they are.
-        is_fci_active: Whether programs of libfranka can connect; at first they cannot.
+        active: Name of the active end effector.
+        profiles: The end effectors by their names, those of Desk among them.
         token: The token in force; None when no client has control.
         waiting: Tokens that were asked for while another client had control.
         now: Monotonic clock [s].
     """
 
-    arm: ServedArm
-    profiles: dict[str, Profile]
-    active: str = MOUNTED
+    server: ServerOfDesk
+    arm: SimulatedArm
+    hand: HandServices | None
+    kind: str
+    are_brakes_closed: bool = False
+    is_fci_active: bool = True
     mode: str = EXECUTION
-    are_brakes_closed: bool = True
-    is_fci_active: bool = False
+    active: str = MOUNTED
+    profiles: dict[str, Profile] = field(init=False)
     token: ControlToken | None = None
     waiting: list[ControlToken] = field(default_factory=list)
     now: Callable[[], float] = time.monotonic
     _numbers: "count[int]" = field(default_factory=lambda: count(1))
+
+    def __post_init__(self) -> None:
+        """Keep the end effector that the arm has."""
+        state = self.arm.state
+        load = Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
+        nothing = profile_of("No End Effector", Load(), IDENTITY)
+        self.profiles = {
+            MOUNTED: profile_of("Mounted", load, (*state.F_T_NE,)),
+            NO_END_EFFECTOR: {**nothing, "endEffector": "None"},
+        }
 
     def request_control(self, owner: str, *, is_forced: bool = False) -> ControlToken:
         """Return a token, which waits as long as another client has control.
@@ -159,8 +144,8 @@ class Desk:
             is_forced: Whether the token is in force at once; on a real robot a person
                 at the arm presses a button for this.
         """
-        number, secret = next(self._numbers), secrets.token_hex(16)
-        token = ControlToken(number, secret, owner, self.now())
+        secret = secrets.token_hex(16)
+        token = ControlToken(next(self._numbers), secret, owner, self.now())
         if self.token is None or is_forced:
             self.token = token
         else:
@@ -195,42 +180,39 @@ class Desk:
         """
         if not secret:
             raise DeskRefusalError(
-                400, "MissingControlToken", "The header X-Control-Token is missing."
+                "The header X-Control-Token is missing.", 400, "MissingControlToken"
             )
         if self.token is None or secret != self.token.secret:
             raise DeskRefusalError(
-                423, "InvalidControlToken", "The control token is not the active one."
+                "The control token is not the active one.", 423, "InvalidControlToken"
             )
 
     def set_brakes(self, *, closed: bool) -> Future[None]:
-        """Close or open the brakes; see `ServedArm`."""
+        """Close or open the brakes; an arm with closed brakes is in the mode Other."""
         self.are_brakes_closed = closed
-        return self.arm.set_brakes(closed=closed)
+        set_brakes = self.arm.simulation().set_brakes
+        return self.server.change(partial(set_brakes, closed=closed))
 
     def set_fci(self, *, active: bool) -> Future[None]:
-        """Activate or deactivate FCI.
+        """Let programs of libfranka connect, or send them away and refuse them.
 
         Raises:
             DeskRefusalError: The operating mode is not Execution.
         """
         if active and self.mode != EXECUTION:
-            raise DeskRefusalError(
-                424, "SystemState", "FCI needs the operating mode Execution."
-            )
+            raise DeskRefusalError("FCI needs the operating mode Execution.")
         self.is_fci_active = active
-        return self.arm.set_fci(active=active)
+        return self.server.open_or_close(is_open=active)
 
     def change_mode(self, mode: str) -> Future[None] | None:
         """Change the operating mode; Programming deactivates FCI.
 
         Raises:
-            DeskRefusalError: There is no such mode.
+            InvalidArgumentError: There is no such mode.
         """
         wanted = mode.capitalize()
         if wanted not in (EXECUTION, PROGRAMMING):
-            raise DeskRefusalError(
-                400, "InvalidArgument", f"{mode!r} is no operating mode."
-            )
+            raise InvalidArgumentError(f"{mode!r} is no operating mode.")
         self.mode = wanted
         return self.set_fci(active=False) if wanted == PROGRAMMING else None
 
@@ -241,6 +223,11 @@ class Desk:
         self.set_fci(active=False)
         return self.set_brakes(closed=True)
 
+    def home_gripper(self) -> Future[None]:
+        """Begin the homing of the hand, if there is one."""
+        home = (lambda: None) if self.hand is None else self.hand.homing
+        return self.server.change(home)
+
     def find_profile(self, name: str) -> Profile:
         """Return an end effector.
 
@@ -248,7 +235,7 @@ class Desk:
             DeskRefusalError: No profile has the name.
         """
         if name not in self.profiles:
-            raise DeskRefusalError(404, "NotFound", f"There is no profile {name!r}.")
+            raise DeskRefusalError(f"There is no profile {name!r}.", 404, "NotFound")
         return {**self.profiles[name], "id": name, "active": name == self.active}
 
     def save_profile(self, name: str | None, profile: Profile) -> Profile:
@@ -276,7 +263,7 @@ class Desk:
         self.find_profile(name)
         self._check_own(name)
         if name == self.active:
-            raise DeskRefusalError(424, "SystemState", "The profile is active.")
+            raise DeskRefusalError("The profile is active.")
         del self.profiles[name]
 
     def activate_profile(self, name: str) -> Future[None]:
@@ -287,58 +274,50 @@ class Desk:
         """
         load, frame = load_of(self.find_profile(name))
         self.active = name
-        return self.arm.set_end_effector(load, frame)
+        return self.server.change(partial(self.arm.set_mounted, load, frame))
 
     def _check_own(self, name: str | None) -> None:
         if name in (NO_END_EFFECTOR, MOUNTED):
-            raise DeskRefusalError(
-                424, "SystemState", f"The profile {name!r} is Desk's own."
-            )
+            raise DeskRefusalError(f"The profile {name!r} is Desk's own.")
 
 
 _AXES = ("x", "y", "z")
-_ANGLES = ("roll", "pitch", "yaw")
 _TENSOR = ("x11", "x12", "x13", "x12", "x22", "x23", "x13", "x23", "x33")
+# The parts of a profile, and the names of the numbers in each.
+_NUMBERS = (
+    ("inertial", "centerOfMass", _AXES),
+    ("inertial", "inertia", _TENSOR),
+    ("tcp", "translation", _AXES),
+    ("tcp", "rotation", ("roll", "pitch", "yaw")),
+)
 
 
 def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
     """Return mass properties and F_T_NE of a profile.
 
     Raises:
-        DeskRefusalError: A number is missing, or malformed.
+        InvalidArgumentError: A number is missing, or malformed.
     """
     try:
-        inertial, tcp = profile["inertial"], profile["tcp"]
-        center = tuple(float(inertial["centerOfMass"][k]) for k in _AXES)
-        tensor = tuple(float(inertial["inertia"][k]) for k in _TENSOR)
-        way = tuple(float(tcp["translation"][k]) for k in _AXES)
-        angles = tuple(float(tcp["rotation"][k]) for k in _ANGLES)
-        load = Load(float(inertial["mass"]), center, tensor)
+        center, tensor, (x, y, z), (roll, pitch, yaw) = (
+            tuple(float(profile[part][name][key]) for key in keys)
+            for part, name, keys in _NUMBERS
+        )
+        load = Load(float(profile["inertial"]["mass"]), center, tensor)
     except (KeyError, TypeError, ValueError) as error:
-        raise DeskRefusalError(
-            400, "InvalidArgument", f"The end effector is not complete: {error}."
+        raise InvalidArgumentError(
+            f"The end effector is not complete: {error}."
         ) from error
-    x, y, z = way
-    roll, pitch, yaw = angles
     return load, as_transform(Pose.from_rpy((x, y, z), (roll, pitch, yaw)))
 
 
 def profile_of(name: str, load: Load, frame: tuple[float, ...]) -> Profile:
     """Return a profile; see `load_of`."""
-    tensor = dict(zip(_TENSOR, load.inertia, strict=True))
-    roll = atan2(frame[6], frame[10])
-    pitch = -asin(max(-1.0, min(1.0, frame[2])))
-    angles = roll, pitch, atan2(frame[1], frame[0])
-    return {
-        "name": name,
-        "deviceId": "ee-no-gripper",
-        "inertial": {
-            "mass": load.mass,
-            "centerOfMass": dict(zip(_AXES, load.center_of_mass, strict=True)),
-            "inertia": tensor,
-        },
-        "tcp": {
-            "translation": dict(zip(_AXES, frame[12:15], strict=True)),
-            "rotation": dict(zip(_ANGLES, angles, strict=True)),
-        },
-    }
+    x, y, z, w = quaternion_of(frame)
+    angles = Pose(quaternion=(w, x, y, z)).rpy()
+    values = load.center_of_mass, load.inertia, frame[12:15], angles
+    profile: Profile = {"name": name, "deviceId": "ee-no-gripper", "tcp": {}}
+    profile["inertial"] = {"mass": load.mass}
+    for (part, key, names), numbers in zip(_NUMBERS, values, strict=True):
+        profile[part][key] = dict(zip(names, numbers, strict=True))
+    return profile

@@ -71,6 +71,11 @@ class Answer(Generic[CommandT]):
     values: Mapping[str, Any]
     rest: bytes = b""
 
+    @property
+    def words(self) -> str:
+        """The status in words, e.g. `reflex aborted`."""
+        return self.status.name.lower().replace("_", " ")
+
 
 @dataclass(frozen=True, slots=True)
 class Request(Generic[CommandT]):

@@ -410,3 +410,18 @@ def versions_of_arm(arm: str) -> Sequence[RobotProtocol]:
         arm: `panda` or `fr3`.
     """
     return FR3 if arm == "fr3" else (PANDA,)
+
+
+def protocols_of(arm: str, version: int | None = None) -> Sequence[RobotProtocol]:
+    """Return the versions that clients of a simulated arm may use, the arm's own last.
+
+    The arm's own version is the newest for its kind. A real arm accepts only one.
+
+    Args:
+        arm: `panda` or `fr3`.
+        version: The only version; None for all versions with a table.
+    """
+    if version is not None:
+        return (PROTOCOLS[version],)
+    own = versions_of_arm(arm)[-1]
+    return (*(one for one in PROTOCOLS.values() if one is not own), own)

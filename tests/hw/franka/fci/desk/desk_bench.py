@@ -1,49 +1,57 @@
 """A Desk with an arm that notes what it was asked for, and clients of its REST."""
 
 from concurrent.futures import Future
+from types import SimpleNamespace
 
 import httpx
 
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.load import Load
-from station.hw.franka.fci.desk.desk_state import (
-    MOUNTED,
-    NO_END_EFFECTOR,
-    Desk,
-    profile_of,
-)
+from station.hw.franka.fci.desk.desk_state import Desk
 
 HAND = Load(0.73, (-0.01, 0.0, 0.03), (0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017))
 
 
 class NotingArm:
-    """Notes every change, and has carried it out at once."""
+    """An arm, its hand and its server: notes every change, and carries it out."""
 
-    kind = "FR3"
+    state = SimpleNamespace(
+        q=[0.1] * 7,
+        m_ee=HAND.mass,
+        F_x_Cee=HAND.center_of_mass,
+        I_ee=HAND.inertia,
+        F_T_NE=IDENTITY,
+    )
 
     def __init__(self):
         self.changes = []
 
-    def joints(self):
-        return [0.1] * 7
+    def change(self, action):
+        action()
+        return done()
+
+    def open_or_close(self, *, is_open):
+        self.changes.append(("fci", is_open))
+        return done()
+
+    def simulation(self):
+        return self
 
     def set_brakes(self, *, closed):
-        return self._note("brakes", closed)
+        self.changes.append(("brakes", closed))
 
-    def set_fci(self, *, active):
-        return self._note("fci", active)
+    def set_mounted(self, load, frame):
+        self.changes.append(("end effector", load, frame))
 
-    def set_end_effector(self, load, frame):
-        return self._note("end effector", load, frame)
+    def homing(self):
+        self.changes.append(("home",))
 
-    def home_gripper(self):
-        return self._note("home")
 
-    def _note(self, *change):
-        self.changes.append(change)
-        done = Future()
-        done.set_result(None)
-        return done
+def done():
+    """Return the future of a change that has been made."""
+    future = Future()
+    future.set_result(None)
+    return future
 
 
 class Clock:
@@ -56,11 +64,11 @@ class Clock:
 
 
 def new_desk():
-    profiles = {
-        MOUNTED: profile_of("Mounted", HAND, IDENTITY),
-        NO_END_EFFECTOR: profile_of("No End Effector", Load(), IDENTITY),
-    }
-    return Desk(NotingArm(), profiles, now=Clock())
+    """Return a Desk with closed brakes and without FCI."""
+    arm = NotingArm()
+    desk = Desk(arm, arm, arm, "fr3", now=Clock())
+    desk.are_brakes_closed, desk.is_fci_active = True, False
+    return desk
 
 
 def client_of(url, auth=("ada", "secret")):

@@ -6,7 +6,10 @@ Source: aiofranka 0.9.0 server.py, client.py, tools.py; franky-control 2.0.0 des
 import asyncio
 import base64
 import json
+import os
 import ssl
+import subprocess
+import sys
 from queue import SimpleQueue
 
 import pytest
@@ -72,6 +75,46 @@ def test_unlocking_of_the_old_interface(desk, old):
     assert answer.status_code == 200
     assert desk.token is None
     assert old.post("/admin/api/logout").status_code == 200
+
+
+PANDA_PYTHON = """
+import sys
+import panda_py
+
+desk = panda_py.Desk(sys.argv[1], "ada", "secret")
+assert desk.has_control()
+desk.unlock()
+desk.activate_fci()
+desk.deactivate_fci()
+desk.lock()
+# The token is kept in the user's home for other programs.
+assert panda_py.Desk(sys.argv[1], "bob", "secret").has_control()
+desk.release_control()
+assert desk.take_control()
+desk.reboot()
+"""
+
+
+def test_unlocking_by_panda_python(desk, url, tmp_path):
+    """Its class `Desk`, unmodified, in a process of its own: it closes nothing."""
+    pytest.importorskip("panda_py")
+    # It trusts any certificate, unless a variable names those to trust.
+    names = os.environ.keys() - {"REQUESTS_CA_BUNDLE", "CURL_CA_BUNDLE"}
+    environment = {name: os.environ[name] for name in names} | {"HOME": str(tmp_path)}
+    address = url.removeprefix("https://")
+
+    subprocess.run(
+        [sys.executable, "-c", PANDA_PYTHON, address], check=True, env=environment
+    )
+
+    assert desk.arm.changes == [
+        ("brakes", False),
+        ("fci", True),
+        ("fci", False),
+        ("brakes", True),
+        *(("fci", False), ("brakes", True)),  # the reboot
+    ]
+    assert desk.token is None
 
 
 def test_second_client_waits_and_is_told_of_the_timeout(client):

@@ -16,10 +16,9 @@ from station.hw.franka.arm.load import Load
 from station.hw.franka.fci.desk.desk_server import (
     DeskCertificateError,
     DeskServer,
-    ServedArm,
-    new_desk,
     own_certificate,
 )
+from station.hw.franka.fci.desk.desk_state import Desk, profile_of
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
 from station.hw.franka.fci.wire.robot_protocol import PANDA, Command, MoveStatus
@@ -82,7 +81,8 @@ class Served:
         files = load_robot_files("example-robot-data:panda")
         self.arm = simulate([ArmPlacement("panda", files)]).arms["panda"]
         self.server = FciServer(self.arm, None, FciSettings(HOST), lambda *_: None)
-        self.desk = new_desk(ServedArm(self.server, self.arm, None, "Panda"))
+        self.desk = Desk(self.server, self.arm, None, "panda")
+        self.desk.reboot()
 
     def run(self, cycles=3):
         left = iter(range(cycles))
@@ -146,7 +146,8 @@ def test_end_effector_shows_in_the_state_and_the_arm_carries_what_it_has(served)
     arm, before = served.arm, [*served.arm.state.q]
     frame = (*IDENTITY[:14], 0.2, 1.0)
     load = Load(0.4, (0.0, 0.0, 0.1), (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01))
-    served.desk.arm.set_end_effector(load, frame)
+    served.desk.profiles["pen"] = profile_of("pen", load, frame)
+    served.desk.activate_profile("pen")
     served.run(50)
     assert arm.state.m_ee == 0.4
     assert [*arm.state.F_T_NE] == pytest.approx(frame)

@@ -38,3 +38,9 @@ def test_what_is_no_answer_is_told(messages, head):
     data = HEADER.pack({"command": command, "command_id": 1, "size": size})
     with pytest.raises(FciProtocolError, match="libfranka: "):
         list(messages.answers(data + bytes(10)))
+
+
+def test_status_is_told_in_words(messages):
+    stream = answer(Command.MOVE, 1, 1) + answer(Command.STOP_MOVE, 2, 99)
+    told = [one.words for one in messages.answers(stream)]
+    assert told == ["motion started", "unknown"]
