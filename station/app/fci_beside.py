@@ -3,8 +3,8 @@
 import contextlib
 import logging
 import mmap
+import multiprocessing
 import os
-import socket
 import subprocess
 import sys
 import threading
@@ -23,7 +23,6 @@ from station.hw.franka.fci.server import fci_door
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
-from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import protocols_of
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.hand.hand_services import HandServices
@@ -137,7 +136,7 @@ class FciBeside:
             return
         for page in self._pages:  # drop answers that the last process has not sent
             page.take_answers()
-        self._pipe, other = socket.socketpair()
+        self._pipe, other = multiprocessing.Pipe()
         inherited = (other.fileno(), self._memory)
         command = [sys.executable, "-m", fci_door.__name__, self._host]
         command += [*map(str, inherited), *([] if self._hand is None else ["hand"])]
@@ -164,12 +163,8 @@ class FciBeside:
         process, self._process = self._process, None
         if process is None:
             return
-        self._pipe.shutdown(socket.SHUT_RDWR)
-        try:
-            process.wait(_END)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        process.kill()
+        process.wait()
         if self._thread.is_alive():
             self._thread.join(_END)
         self._pipe.close()
@@ -180,14 +175,10 @@ class FciBeside:
         Raises:
             FciPortError: The process cannot listen, or does not listen in time.
         """
-        self._pipe.settimeout(_START)
-        try:
-            _, body = fci_door.receive_frame(self._pipe)
-            # The body of a refusal; the answer of a process that listens is empty.
-            reason = body[fci_door.LAST_WORDS.size :].decode()
-        except OSError as error:
-            reason = f"The server at {self._host} did not start: {error}"
-        self._pipe.settimeout(None)
+        reason = f"The server at {self._host} did not start."
+        with contextlib.suppress(*fci_door.GONE):
+            if self._pipe.poll(_START):
+                *_, reason = self._pipe.recv()
         if reason:
             raise FciPortError(reason, remedy="Choose another fci.host.")
 
@@ -210,28 +201,23 @@ class FciBeside:
         pipe = self._pipe
         try:
             while True:
-                action = partial(self._carry_out, *fci_door.receive_frame(pipe))
+                action = partial(self._carry_out, pipe.recv())
+                port, reason = None, ""
                 try:
                     answers, port = self._loop.run_in_cycle(action)
                 except StationError as error:
-                    told = error.answers if isinstance(error, FciProtocolError) else b""
-                    kind, body = fci_door.REFUSAL, fci_door.refusal(error.message, told)
+                    answers = getattr(error, "answers", b"")
                     reason = error.message
-                else:
-                    head = fci_door.UDP_PORT.pack(port or 0)
-                    kind, body = fci_door.ANSWER, head + answers
-                    reason = self._guest.take_reason()
-                if reason:
-                    _logger.warning("Franka Control Interface: %s", reason)
-                fci_door.send_frame(pipe, kind, body)
-        except OSError:
+                if told := reason or self._guest.take_reason():
+                    _logger.warning("Franka Control Interface: %s", told)
+                pipe.send((answers, port, reason))
+        except fci_door.GONE:
             self._say_goodbye()
 
-    def _carry_out(self, kind: int, data: bytes) -> tuple[bytes, int | None]:
-        """Carry out the request of a frame. Control thread."""
-        guest: FciGuest | HandGuest = self._guest
-        if kind > fci_door.OF_HAND and self._hand is not None:
-            guest, kind = self._hand, kind - fci_door.OF_HAND
+    def _carry_out(self, request: tuple[bool, int, bytes]) -> tuple[bytes, int | None]:
+        """Carry out a request of the process. Control thread."""
+        is_hand, kind, data = request
+        guest = self._hand if is_hand and self._hand is not None else self._guest
         if kind == fci_door.DATA:
             return guest.receive(data)
         if kind == fci_door.OPEN:

@@ -109,23 +109,18 @@ def get_controller(name: str, station: StationDep) -> wire.ControllerState:
     return wire.ControllerState.model_validate(station.controller(name))
 
 
-class YamlResponse(PlainTextResponse):
-    """Text of a YAML file."""
-
-    media_type = "application/yaml"
-
-
 @_controllers.get(
     "/controllers/{name}/config.yaml",
-    response_class=YamlResponse,
+    response_class=PlainTextResponse,
     responses=problems(404),
 )
-def get_controller_config(name: str, station: StationDep) -> YamlResponse:
+def get_controller_config(name: str, station: StationDep) -> PlainTextResponse:
     """Return the parameters of a controller, with its gains in force, as a file.
 
-    It is a parameter file of ros_control, which `station run --controllers` loads.
+    It is a parameter file of ros_control in YAML, which `station run --controllers`
+    loads.
     """
-    return YamlResponse(controller_file(station, name))
+    return PlainTextResponse(controller_file(station, name))
 
 
 @_controllers.delete(

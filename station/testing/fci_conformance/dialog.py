@@ -17,7 +17,7 @@ from typing_extensions import override
 from station.core.errors import StationError
 from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_robot_state import RobotMode
-from station.hw.franka.fci.driver.fci_client import RobotAnswer, robot_client
+from station.hw.franka.fci.driver.fci_client import FciClient, RobotAnswer
 from station.hw.franka.fci.driver.network import FciNetwork, FciNetworkError
 from station.hw.franka.fci.wire.robot_protocol import (
     NO_CONTROLLER,
@@ -182,7 +182,7 @@ def ask_version(host: str, port: int, version: int) -> tuple[str, int]:
         FciNetworkError: The endpoint does not answer.
     """
     with closing(open_network(host, port)) as network:
-        client = robot_client(network, PROTOCOLS[max(PROTOCOLS)])
+        client = FciClient(network, PROTOCOLS[max(PROTOCOLS)])
         values = {"version": version, "udp_port": network.udp_port}
         answer = client.ask(Command.CONNECT, values)
         return answer.words, answer.values["version"]
@@ -211,7 +211,7 @@ class Dialog:
 
     def __init__(self, network: FciNetwork, protocol: RobotProtocol) -> None:
         self.network, self.protocol = network, protocol
-        self.client = robot_client(network, protocol)
+        self.client = FciClient(network, protocol)
         self.state: State = {}
         self.sizes: set[int] = set()
         self.late = 0

@@ -26,7 +26,6 @@ from station.hw.franka.fci.wire.robot_protocol import (
     CommandT,
     ConnectStatus,
     FciProtocol,
-    RobotProtocol,
 )
 
 RobotAnswer: TypeAlias = Answer[Command]
@@ -142,11 +141,6 @@ class FciClient(Generic[CommandT]):
         """Drop the answers to a request, also those that are still to come."""
         self._answers.pop(number, None)
         self._forgotten = number
-
-
-def robot_client(network: FciNetwork, protocol: RobotProtocol) -> FciClient[Command]:
-    """Return a client of an arm."""
-    return FciClient(network, protocol)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,13 @@ import logging
 import select
 import socket
 from collections.abc import Callable, Sequence
-from typing import Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from station.core.errors import StationError
 from station.hw.franka.fci.wire.messages import FciProtocolError
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
 
 _logger = logging.getLogger(__name__)
 _CHUNK = 65_536
@@ -154,14 +157,7 @@ class ClientPort(Generic[_Session]):
         self._udp.close()
 
     def _listen(self) -> socket.socket:
-        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        try:
-            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            listener.bind(self._address)
-            listener.listen(1)
-        except OSError:
-            listener.close()
-            raise
+        listener = socket.create_server(self._address, backlog=1)
         listener.settimeout(0.0)
         return listener
 
@@ -228,21 +224,21 @@ class ClientPort(Generic[_Session]):
 
 
 def serve(
-    ports: Sequence[ClientPort[Any]], longest: float, *others: socket.socket
+    ports: Sequence[ClientPort[Any]], longest: float, *others: "Connection[Any, Any]"
 ) -> bool:
     """Wait until bytes arrive at ports or can be sent there, and move them.
 
     Args:
         ports: The ports.
         longest: Longest wait [s].
-        others: Other sockets to wait for.
+        others: Pipes to wait for, too.
 
     Returns:
-        Whether something has arrived at the other sockets; the ports were left alone.
+        Whether something has arrived at the pipes; the ports were left alone.
     """
-    readers = [one for port in ports for one in port.readers()]
+    readers: list[Any] = [*others, *(one for port in ports for one in port.readers())]
     writers = [one for port in ports for one in port.writers()]
-    ready, sendable, _ = select.select([*others, *readers], writers, [], longest)
+    ready, sendable, _ = select.select(readers, writers, [], longest)
     found = {*ready, *sendable}
     if found.intersection(others):
         return True

@@ -3,15 +3,18 @@
 It moves bytes: between TCP and a pipe to the station, and between UDP and the memory
 that it shares with the control thread. The station interprets them.
 
-Through the pipe go frames: a kind, a size, and bytes. The station answers each frame.
+Through the pipe go requests: whether the client is one of the hand, what is asked, and
+bytes. The station replies to each request with answers for the client, the client's UDP
+port, None until it has connected, and the reason why it must go, empty if it may stay.
 """
 
 import contextlib
 import mmap
 import os
-import socket
-import struct
 import sys
+from functools import partial
+from multiprocessing.connection import Connection
+from typing import Any, TypeAlias
 
 from station.hw.franka.fci.server.client_port import ClientPort, serve
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
@@ -19,62 +22,16 @@ from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 
+Pipe: TypeAlias = "Connection[Any, Any]"
 OPEN, DATA, LEAVE = 1, 2, 3
-"""Kinds of frames from this process: a new client, its bytes, its end."""
-OF_HAND = 16
-"""Added to the kind of every frame that belongs to a client of the hand."""
+"""Kinds of requests: a new client, its bytes, its end."""
+GONE = (EOFError, OSError)
+"""Errors of a pipe whose other side has gone."""
 MEMORY_BYTES = 2 * PAGE_BYTES
 """Size of the memory that is shared [bytes]: the page of the arm, that of the hand."""
-ANSWER, REFUSAL = 4, 5
-"""Kinds of frames to this process: the UDP port and answers; why a client must go."""
-FRAME = struct.Struct("<BI")
-"""Head of a frame: its kind, and the size of its content [bytes]."""
-LAST_WORDS = struct.Struct("<H")
-"""Head of a `REFUSAL`: the size of the answers before the reason [bytes]."""
-UDP_PORT = struct.Struct("<H")
-"""Head of an `ANSWER`: the client's UDP port, 0 until it has connected."""
 _LOOK = 0.0002
 """Time between two looks at the shared memory while there is a client [s]."""
 _IDLE = 0.05
-
-
-class StationGoneError(OSError):
-    """The station has closed the pipe."""
-
-
-def send_frame(pipe: socket.socket, kind: int, data: bytes = b"") -> None:
-    """Send a frame."""
-    pipe.sendall(FRAME.pack(kind, len(data)) + data)
-
-
-def refusal(reason: str, answers: bytes = b"") -> bytes:
-    """Return the content of a `REFUSAL`.
-
-    Args:
-        reason: Why the client must go.
-        answers: Answers that the client gets before it must go.
-    """
-    return LAST_WORDS.pack(len(answers)) + answers + reason.encode()
-
-
-def receive_frame(pipe: socket.socket) -> tuple[int, bytes]:
-    """Wait for a frame; return its kind and content.
-
-    Raises:
-        StationGoneError: The other side has closed the pipe.
-    """
-    kind, size = FRAME.unpack(_receive(pipe, FRAME.size))
-    return kind, _receive(pipe, size)
-
-
-def _receive(pipe: socket.socket, size: int) -> bytes:
-    found = bytearray()
-    while len(found) < size:
-        data = pipe.recv(size - len(found))
-        if not data:
-            raise StationGoneError("the other side has closed the pipe")
-        found += data
-    return bytes(found)
 
 
 class RelayedSession:
@@ -82,14 +39,14 @@ class RelayedSession:
 
     Args:
         pipe: The pipe to the station.
-        channel: Offset that is added to the kinds of frames.
+        is_hand: Whether the client is one of the hand.
 
     Attributes:
         udp_port: The client's UDP port; None until it has connected.
     """
 
-    def __init__(self, pipe: socket.socket, channel: int = 0) -> None:
-        self._pipe, self._channel = pipe, channel
+    def __init__(self, pipe: Pipe, *, is_hand: bool) -> None:
+        self._pipe, self._is_hand = pipe, is_hand
         self.udp_port: int | None = None
         self._ask(OPEN)
 
@@ -103,18 +60,16 @@ class RelayedSession:
 
     def close(self) -> None:
         """Tell the station that the client has gone."""
-        with contextlib.suppress(OSError):  # without a station nobody is left to tell
+        with contextlib.suppress(*GONE):  # without a station nobody is left to tell
             self._ask(LEAVE)
 
     def _ask(self, kind: int, data: bytes = b"") -> bytes:
-        send_frame(self._pipe, kind + self._channel, data)
-        kind, body = receive_frame(self._pipe)
-        if kind == REFUSAL:
-            (size,) = LAST_WORDS.unpack_from(body)
-            body = body[LAST_WORDS.size :]
-            raise FciProtocolError(body[size:].decode(), answers=body[:size])
-        self.udp_port = UDP_PORT.unpack_from(body)[0] or None
-        return body[UDP_PORT.size :]
+        self._pipe.send((self._is_hand, kind, data))
+        answers, self.udp_port, reason = self._pipe.recv()
+        if reason:
+            raise FciProtocolError(reason, answers=answers)
+        found: bytes = answers
+        return found
 
 
 class FciDoor:
@@ -133,22 +88,22 @@ class FciDoor:
     def __init__(
         self,
         host: str,
-        pipe: socket.socket,
+        pipe: Pipe,
         page: SharedPage,
         hand: SharedPage | None = None,
     ) -> None:
         self._pipe = pipe
-        robot = ClientPort("Robot", (host, PANDA.port), lambda: RelayedSession(pipe))
-        self._served = [(robot, page)]
-        if hand is not None:
+        self._served = []
+        for what, protocol, memory in (("Robot", PANDA, page), ("Gripper", HAND, hand)):
+            if memory is None:
+                continue
+            begin = partial(RelayedSession, pipe, is_hand=protocol is HAND)
             try:
-                gripper = ClientPort(
-                    "Gripper", (host, HAND.port), lambda: RelayedSession(pipe, OF_HAND)
-                )
+                port = ClientPort(what, (host, protocol.port), begin)
             except OSError:
-                robot.close()
+                self.close()
                 raise
-            self._served.append((gripper, hand))
+            self._served.append((port, memory))
 
     def run(self) -> None:
         """Serve until the station closes the pipe."""
@@ -160,11 +115,15 @@ class FciDoor:
                     return  # the station says nothing unasked: it has gone
                 for port, page in self._served:
                     relay(port, page)
-        except StationGoneError:
+        except GONE:
             return
         finally:
-            for port in ports:
-                port.close()
+            self.close()
+
+    def close(self) -> None:
+        """Send the clients away."""
+        for port, _ in self._served:
+            port.close()
 
 
 def relay(port: ClientPort[RelayedSession], page: SharedPage) -> None:
@@ -190,13 +149,13 @@ def main(arguments: list[str]) -> None:
     hand = SharedPage(memory, PAGE_BYTES) if "hand" in parts else None
     with contextlib.suppress(PermissionError):
         os.setpriority(os.PRIO_PROCESS, 0, -10)
-    with socket.socket(fileno=int(pipe_number)) as pipe:
+    with Connection(int(pipe_number)) as pipe:
         try:
             door = FciDoor(host, pipe, SharedPage(memory), hand)
         except OSError as error:
-            send_frame(pipe, REFUSAL, refusal(f"{error}"))
+            pipe.send((b"", None, f"{error}"))
             return
-        send_frame(pipe, ANSWER)
+        pipe.send((b"", None, ""))
         door.run()
 
 

@@ -1,5 +1,6 @@
 """The process that moves bytes between clients and a station; here it is a thread."""
 
+import multiprocessing
 import os
 import socket
 import threading
@@ -8,20 +9,12 @@ import pytest
 
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_door import (
-    ANSWER,
     DATA,
     LEAVE,
     MEMORY_BYTES,
-    OF_HAND,
     OPEN,
-    REFUSAL,
-    UDP_PORT,
     FciDoor,
-    StationGoneError,
-    receive_frame,
-    refusal,
     relay,
-    send_frame,
 )
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.gripper_protocol import HAND
@@ -35,8 +28,7 @@ class Door:
 
     def __init__(self):
         memory = bytearray(MEMORY_BYTES)
-        self.station, pipe = socket.socketpair()
-        self.station.settimeout(PATIENCE)
+        self.station, pipe = multiprocessing.Pipe()
         self.page, self._pipe = SharedPage(memory), pipe
         self.hand_page = SharedPage(memory, PAGE_BYTES)
         hand = SharedPage(memory, PAGE_BYTES)
@@ -44,26 +36,36 @@ class Door:
         self._thread = threading.Thread(target=door.run)
         self._thread.start()
 
-    def expect(self, kind, answer=b"", port=0):
-        """Wait for a frame, and answer it."""
-        found, data = receive_frame(self.station)
-        assert found == kind
-        send_frame(self.station, ANSWER, UDP_PORT.pack(port) + answer)
+    def receive(self):
+        """Wait for a request; return its kind and bytes, and whether it is the hand's.
+
+        Raises:
+            TimeoutError: None comes.
+        """
+        if not self.station.poll(PATIENCE):
+            raise TimeoutError("no request")
+        is_hand, kind, data = self.station.recv()
+        return kind, data, is_hand
+
+    def expect(self, kind, answer=b"", port=None, *, of_hand=False):
+        """Wait for a request, and answer it; return its bytes."""
+        found, data, is_hand = self.receive()
+        assert (found, is_hand) == (kind, of_hand)
+        self.station.send((answer, port, ""))
         return data
 
     def expect_any(self):
-        """Wait for a frame, and answer it; return its kind."""
-        found, _ = receive_frame(self.station)
-        send_frame(self.station, ANSWER, UDP_PORT.pack(0))
-        return found
+        """Wait for a request, and answer it; return kind, and whether of the hand."""
+        found, _, is_hand = self.receive()
+        self.station.send((b"", None, ""))
+        return found, is_hand
 
     def close(self):
         """End the door, as a station that goes does."""
-        self.station.shutdown(socket.SHUT_WR)
+        self.station.close()
         self._thread.join(PATIENCE)
         assert not self._thread.is_alive()
         self._pipe.close()
-        self.station.close()
 
 
 def connect_again():
@@ -148,22 +150,22 @@ def test_client_of_the_hand_is_served_beside_the_one_of_the_arm(door, client):
         socket.create_connection((HOST, PANDA.port), 5.0),
         socket.create_connection((HOST, HAND.port), 5.0) as tcp,
     ):
-        assert {door.expect_any(), door.expect_any()} == {OPEN, OPEN + OF_HAND}
+        assert {door.expect_any(), door.expect_any()} == {(OPEN, False), (OPEN, True)}
         tcp.sendall(b"request")
         port = client.getsockname()[1]
-        assert door.expect(DATA + OF_HAND, b"answer", port) == b"request"
+        assert door.expect(DATA, b"answer", port, of_hand=True) == b"request"
         assert tcp.recv(100) == b"answer"
         door.page.put_answers(b"for the arm")
         door.hand_page.put_answers(b"later")
         assert tcp.recv(100) == b"later"
         door.hand_page.put_state(b"s" * HAND.state.size)
         assert client.recv(4096) == b"s" * HAND.state.size
-    assert {door.expect_any(), door.expect_any()} == {LEAVE, LEAVE + OF_HAND}
+    assert {door.expect_any(), door.expect_any()} == {(LEAVE, False), (LEAVE, True)}
 
 
 def test_hand_whose_address_is_taken_is_told_and_the_arm_let_go():
     with socket.create_server((HOST, HAND.port)):
-        one, other = socket.socketpair()
+        one, other = multiprocessing.Pipe()
         pages = [SharedPage(bytearray(PAGE_BYTES)) for _ in range(2)]
         with one, other, pytest.raises(FciPortError, match="Gripper cannot be served"):
             FciDoor(HOST, one, *pages)
@@ -175,8 +177,8 @@ def test_client_that_the_station_refuses_is_sent_away(door):
     with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
         door.expect(OPEN)
         tcp.sendall(b"nonsense")
-        receive_frame(door.station)
-        send_frame(door.station, REFUSAL, refusal("no command", b"last words"))
+        door.receive()
+        door.station.send((b"last words", None, "no command"))
         door.expect(LEAVE)
         assert tcp.recv(100) == b"last words"
         assert tcp.recv(100) == b""
@@ -187,13 +189,6 @@ def test_client_that_the_station_refuses_is_sent_away(door):
 
 def test_address_that_is_taken_is_told():
     with socket.create_server((HOST, PANDA.port)):
-        one, other = socket.socketpair()
+        one, other = multiprocessing.Pipe()
         with one, other, pytest.raises(FciPortError, match=HOST):
             FciDoor(HOST, one, SharedPage(bytearray(PAGE_BYTES)))
-
-
-def test_end_of_the_other_side_is_told():
-    one, other = socket.socketpair()
-    other.close()
-    with one, pytest.raises(StationGoneError):
-        receive_frame(one)
