@@ -52,11 +52,12 @@ def test_setters_change_the_arm_and_refuse_in_words(client, station):
 
 
 def test_the_arm_is_disconnected_and_connected(client):
-    assert client.values(f"{ARM}/disconnect")["success"]
-    again = client.values(f"{ARM}/disconnect")
-    assert client.values(f"{ARM}/connect")["success"]
+    for service, refusal in (("disconnect", "not connected"), ("connect", "already")):
+        assert client.values(f"{ARM}/{service}")["success"]
+        again = client.values(f"{ARM}/{service}")
 
-    assert not again["success"] or again["message"]
+        assert not again["success"]
+        assert refusal in again["message"]
 
 
 def test_the_hand_opens_and_tells_a_grasp_of_nothing(client):
