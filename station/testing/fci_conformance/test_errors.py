@@ -189,10 +189,14 @@ def test_load_that_is_not_there_ends_in_a_reflex(row: Row, dialog: Dialog) -> Ve
     """A load of 2.5 kg that is set but absent causes joint_ or cartesian_reflex."""
     inertia = (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01)
     dialog.ask(Command.SET_LOAD, m_load=2.5, I_load=inertia)
-    outcome = dialog.move(HOLD, 500)
-    row.seen = str(outcome)
-    dialog.recover()
-    dialog.ask(Command.SET_LOAD)
+    try:
+        outcome = dialog.move(HOLD, 500)
+        row.seen = str(outcome)
+        dialog.recover()
+    finally:
+        # A load that stayed would end every later motion, also of other clients.
+        dialog.ask(Command.STOP_MOVE)
+        dialog.ask(Command.SET_LOAD)
     return not {"joint_reflex", "cartesian_reflex"}.isdisjoint(outcome.errors), outcome
 
 

@@ -48,6 +48,29 @@ def test_simulated_arm_passes(protocol, tmp_path, monkeypatch, capsys):
     assert all(row["expected"] for row in rows.values() if row["result"] == "passed")
 
 
+def test_the_load_of_a_check_goes_even_if_the_endpoint_falls_silent(
+    tmp_path, monkeypatch
+):
+    arm, loads = ScriptedArm(), []
+
+    def fall_silent(*_):
+        loads.append(arm.state.m_load)
+        raise dialog.FciSilenceError("no newer state")
+
+    monkeypatch.setattr(dialog.Dialog, "move", fall_silent)
+    check = "load that is not there ends in a reflex"
+    _, rows, _ = run_checks(
+        arm,
+        tmp_path,
+        monkeypatch,
+        protocols=[PANDA],
+        arguments=["--fci-move", "-k", "load_that_is_not_there"],
+    )
+
+    assert rows[check]["result"] == "failed"
+    assert (loads, arm.state.m_load) == ([2.5], 0.0)
+
+
 def test_checks_that_move_are_left_out_unless_asked_for(tmp_path, monkeypatch, capsys):
     arm = ScriptedArm()
     code, rows, report = run_checks(arm, tmp_path, monkeypatch, protocols=[PANDA])
