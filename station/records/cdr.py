@@ -13,13 +13,13 @@ import re
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 Values = dict[str, Any]
 """A message: values by field; a message inside of it has the same form."""
 
 # Version 1 of CDR, little-endian; alignment counts from the byte after these four.
-ENCAPSULATION = b"\x00\x01\x00\x00"
+_ENCAPSULATION = b"\x00\x01\x00\x00"
 PRIMITIVES = {
     "bool": "?",
     "int8": "b",
@@ -91,8 +91,8 @@ class MessageType:
             KeyError: A field has no value.
             struct.error: A value does not fit its field.
         """
-        writer = _Writer()
-        self._write(writer, self.fields, message)
+        writer = Writer()
+        writer.put_fields(self.fields, message, self._types.__getitem__)
         return bytes(writer.data)
 
     def decode(self, data: bytes) -> Values:
@@ -106,34 +106,6 @@ class MessageType:
     def of(self, kind: str) -> tuple[Field, ...] | None:
         """Return the fields of a message type inside of this type; None for others."""
         return self._types.get(kind)
-
-    def _write(
-        self, writer: "_Writer", fields: Sequence[Field], message: Values
-    ) -> None:
-        for field in fields:
-            value = message[field.name]
-            if field.length is None:
-                self._write_one(writer, field.kind, value)
-                continue
-            if field.length < 0:
-                writer.put("I", len(value))
-            if len(value) != max(field.length, 0) and field.length >= 0:
-                raise ValueError(f"'{field.name}' has {len(value)} elements.")
-            if isinstance(value, bytes):
-                writer.data += value
-                continue
-            for one in value:
-                self._write_one(writer, field.kind, one)
-
-    def _write_one(self, writer: "_Writer", kind: str, value: Any) -> None:  # noqa: ANN401 - as its field
-        if kind in PRIMITIVES:
-            writer.put(PRIMITIVES[kind], value)
-        elif kind == "string":
-            data = value.encode() + b"\0"
-            writer.put("I", len(data))
-            writer.data += data
-        else:
-            self._write(writer, self._types[kind], value)
 
     def _read(self, reader: "_Reader", fields: Sequence[Field]) -> Values:
         message: Values = {}
@@ -240,7 +212,7 @@ class Layout:
 
     def _compile(self) -> None:
         """Join neighbouring constants, so that `pack` needs one call of `struct`."""
-        codes, constants = "<", {0: ENCAPSULATION}
+        codes, constants = "<", {0: _ENCAPSULATION}
         index, was_constant = 1, True
         for piece in self._pieces:
             if isinstance(piece, str):
@@ -374,14 +346,76 @@ class Form:
         self._texts.append((begin, end, bytes(reader.data[begin:end])))
 
 
-class _Writer:
+class Writer:
+    """Appends the values of a message as CDR; a subclass may have another encoding.
+
+    Attributes:
+        data: The message so far.
+        text_end: Byte behind a text, which its length counts.
+    """
+
+    text_end: ClassVar[bytes] = b"\0"
+
     def __init__(self) -> None:
-        self.data = bytearray(ENCAPSULATION)
+        self.data = bytearray(_ENCAPSULATION)
 
     def put(self, code: str, value: float) -> None:
+        """Append a number, given its code for `struct`."""
         size = struct.calcsize(code)
         self.data += b"\0" * (-(len(self.data) - 4) % size)
         self.data += struct.pack(f"<{code}", value)
+
+    def put_text(self, text: str) -> None:
+        """Append a text."""
+        data = text.encode() + self.text_end
+        self.put("I", len(data))
+        self.data += data
+
+    def put_fields(
+        self,
+        fields: Sequence[Field],
+        message: Values,
+        fields_of: Callable[[str], Sequence[Field]],
+    ) -> None:
+        """Append the fields of a message.
+
+        Args:
+            fields: The fields.
+            message: A value for every field.
+            fields_of: Returns the fields of a message type inside of the message.
+
+        Raises:
+            KeyError: A field has no value.
+            ValueError: An array has another number of elements than its field.
+            struct.error: A value does not fit its field.
+        """
+        for field in fields:
+            value = message[field.name]
+            if field.length is None:
+                self._put_one(field.kind, value, fields_of)
+                continue
+            if field.length < 0:
+                self.put("I", len(value))
+            elif len(value) != field.length:
+                raise ValueError(f"'{field.name}' has {len(value)} elements.")
+            if isinstance(value, bytes):
+                self.data += value
+                continue
+            for one in value:
+                self._put_one(field.kind, one, fields_of)
+
+    def _put_one(
+        self,
+        kind: str,
+        value: Any,  # noqa: ANN401 - as its field
+        fields_of: Callable[[str], Sequence[Field]],
+    ) -> None:
+        if kind in PRIMITIVES:
+            self.put(PRIMITIVES[kind], value)
+        elif kind == "string":
+            self.put_text(value)
+        else:
+            self.put_fields(fields_of(kind), value, fields_of)
 
 
 class _Reader:

@@ -19,18 +19,14 @@ from functools import cache, partial
 from importlib.resources import files
 from typing import Any, NoReturn, TypeGuard
 
+from typing_extensions import override
+
 from station.core.errors import StationError, suggest
-from station.records.cdr import (
-    ENCAPSULATION,
-    PRIMITIVES,
-    Field,
-    Values,
-    read_fields,
-)
+from station.records.cdr import Field, Values, Writer, read_fields
 from station.records.messages import header
 
 _SEPARATOR = "=" * 80 + "\n"
-_TIMES = dict.fromkeys(("time", "duration"), read_fields("int32 sec\nuint32 nanosec"))
+_TIMES = ("time", "duration")
 _SIZES = (8, 16, 32, 64)
 _INTEGERS = {f"uint{n}": (0, 2**n - 1) for n in _SIZES}
 _INTEGERS |= {f"int{n}": (-(2 ** (n - 1)), 2 ** (n - 1) - 1) for n in _SIZES}
@@ -414,34 +410,37 @@ def serialized(type_name: str, message: Values, *, ros2: bool) -> bytes:
     Raises:
         struct.error: A value does not fit its field.
     """
-    data = bytearray()
-    _append(data, type_name, message, ros2=ros2)
-    return bytes(ENCAPSULATION + data if ros2 else data)
+    writer = Writer() if ros2 else _Ros1Writer()
+    styled = in_style(type_name, message, ros2=ros2)
+    fields_of_kind = partial(_fields_in_style, ros2=ros2)
+    writer.put_fields(fields_of_kind(type_name), styled, fields_of_kind)
+    return bytes(writer.data)
 
 
-def _append(data: bytearray, kind: str, value: Any, *, ros2: bool) -> None:  # noqa: ANN401 - as its field
-    """Append a value; CDR aligns every number, and ends a text with a zero."""
-    if kind in PRIMITIVES:
-        code = PRIMITIVES[kind]
-        if ros2:
-            data += bytes(-len(data) % struct.calcsize(code))
-        data += struct.pack(f"<{code}", value)
-    elif kind == "string":
-        text = value.encode() + b"\0" * ros2
-        _append(data, "uint32", len(text), ros2=ros2)
-        data += text
-    else:
-        for field in _TIMES.get(kind) or _TYPES[kind].fields:
-            if field.name == "seq" and ros2:
-                continue  # headers of ROS 2 have none
-            one = value.get(field.name, 0)
-            if field.length == -1:
-                _append(data, "uint32", len(one), ros2=ros2)
-            if isinstance(one, bytes):
-                data += one
-                continue
-            for each in [one] if field.length is None else one:
-                _append(data, field.kind, each, ros2=ros2)
+class _Ros1Writer(Writer):
+    """Appends values in the encoding of ROS 1: without gaps, and texts without a zero.
+
+    Source: roscpp_serialization, serialization.h.
+    """
+
+    text_end = b""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+
+    @override
+    def put(self, code: str, value: float) -> None:
+        self.data += struct.pack(f"<{code}", value)
+
+
+@cache
+def _fields_in_style(kind: str, *, ros2: bool) -> tuple[Field, ...]:
+    """Return the fields of a type, which differ between ROS 1 and ROS 2."""
+    if kind in _TIMES:
+        seconds, rest = ("sec", "nanosec") if ros2 else ("secs", "nsecs")
+        return read_fields(f"int32 {seconds}\nuint32 {rest}")
+    # Headers of ROS 2 have no `seq`.
+    return tuple(f for f in _TYPES[kind].fields if not ros2 or f.name != "seq")
 
 
 def _parts_of(type_name: str) -> list[str]:

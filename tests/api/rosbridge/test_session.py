@@ -288,6 +288,7 @@ def test_what_is_wrong_is_named_in_a_status(client, case):
         ('{"op": "dance", "op": "subscribe", "topic": "/tf"}', "op"),
         ('{"op": "publish", "msg": {"data": [1], "data": [2]}}', "data"),
         ('{"op": "publish", "msg": {"data": NaN, "data": ":"}}', "data"),
+        (r'{"op": "publish", "msg": {"data": 1, "data": "\u003a"}}', "data"),
     ],
 )
 def test_a_key_that_comes_twice_is_refused(client, text, key):
