@@ -1,11 +1,10 @@
 """One client of an arm or a hand: it connects, and then its requests are answered."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from typing import Any, Generic
+from collections.abc import Sequence
+from typing import Generic
 
 from station.hw.franka.fci.wire.messages import (
-    NOTHING,
     FciProtocolError,
     FciVersionError,
     Messages,
@@ -57,6 +56,7 @@ class Session(ABC, Generic[CommandT]):
 
     def _speak(self, protocol: FciProtocol[CommandT]) -> None:
         self._protocol, self._messages = protocol, Messages(protocol)
+        self._say = self._messages.answer
 
     def _answer(self, request: Request[CommandT]) -> bytes:
         device, command = self._protocol.device, request.command
@@ -85,13 +85,3 @@ class Session(ABC, Generic[CommandT]):
         told = self._say(request, status, {"version": own.version})
         spoken = [protocol.version for protocol in self._protocols]
         raise FciVersionError(own.device, asked, spoken, told)
-
-    def _say(
-        self,
-        request: Request[CommandT],
-        status: int,
-        values: Mapping[str, Any] = NOTHING,
-        *,
-        tail: bytes = b"",
-    ) -> bytes:
-        return self._messages.answer(request, status, values, tail=tail)
