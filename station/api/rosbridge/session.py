@@ -451,17 +451,20 @@ class RosbridgeSession:
                 await self._graph.goals.start(action, self._client, goal, stamped, hear)
 
     async def do_cancel_action_goal(self, message: Message) -> None:
-        """Cancel a goal that the client has sent.
+        """Cancel a goal that the client has sent."""
+        with self._told(message.get("id")):
+            await self._cancel_of(str(message.get("id")))()
+
+    def _cancel_of(self, identifier: str) -> Callable[[], Awaitable[None]]:
+        """Return the function that cancels a goal of the client.
 
         Raises:
-            RosTypeError: Never raised; the client gets a status.
+            RosTypeError: The client has no such goal.
         """
-        identifier = message.get("id")
-        with self._told(identifier):
-            cancel = self._goals.get(str(identifier))
-            if cancel is None:
-                raise RosTypeError(f"There is no goal '{identifier!s:.80}'.")
-            await cancel()
+        found = self._goals.get(identifier)
+        if found is None:
+            raise RosTypeError(f"There is no goal '{identifier:.80}'.")
+        return found
 
     async def _cancel_own(self, action: Action, identifier: str) -> None:
         with self._client.changing(f"cancel of {action.name}", changes=action.changes):

@@ -3,9 +3,10 @@
 It moves bytes: between TCP and a pipe to the station, and between UDP and the memory
 that it shares with the control thread. The station interprets them.
 
-Through the pipe go requests: whether the client is one of the hand, what is asked, and
-bytes. The station replies to each request with answers for the client, the client's UDP
-port, None until it has connected, and the reason why it must go, empty if it may stay.
+A request through the pipe tells whether the client is one of the hand, the kind of the
+request, and bytes of the client. The station replies with answers for the client, with
+the client's UDP port, None until it has connected, and with the reason why the client
+must go, empty if it may stay.
 """
 
 import contextlib
