@@ -23,6 +23,7 @@ from station.hw.franka.fci.server import fci_door
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import protocols_of
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.hand.hand_services import HandServices
@@ -202,11 +203,12 @@ class FciBeside:
         try:
             while True:
                 action = partial(self._carry_out, pipe.recv())
-                port, reason = None, ""
+                answers, port, reason = b"", None, ""
                 try:
                     answers, port = self._loop.run_in_cycle(action)
+                except FciProtocolError as error:
+                    answers, reason = error.answers, error.message
                 except StationError as error:
-                    answers = getattr(error, "answers", b"")
                     reason = error.message
                 if told := reason or self._guest.take_reason():
                     _logger.warning("Franka Control Interface: %s", told)
