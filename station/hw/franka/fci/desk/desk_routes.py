@@ -21,6 +21,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from station.core.errors import StationError
 from station.hw.franka.fci.desk.desk_state import (
     LONGEST_WAIT,
     Desk,
@@ -83,10 +84,18 @@ class Call:
 
 
 async def _after(change: Future[None] | None, answer: Answer = None) -> Answer:
-    """Wait until the arm has carried out a change; return the answer, `{}` if None."""
+    """Wait until the arm has carried out a change; return the answer, `{}` if None.
+
+    Raises:
+        DeskRefusalError: The arm refuses the change, or does not answer.
+    """
     if change is not None:
-        async with asyncio.timeout(_CARRIED_OUT):
-            await asyncio.wrap_future(change)
+        try:
+            async with asyncio.timeout(_CARRIED_OUT):
+                await asyncio.wrap_future(change)
+        except (StationError, TimeoutError) as error:
+            reason = str(error) or f"no answer within {_CARRIED_OUT:g} s"
+            raise DeskRefusalError(f"The robot has not done it: {reason}") from error
     return {} if answer is None else answer
 
 
@@ -149,8 +158,12 @@ def _mode_of_path(desk: Desk, call: Call) -> Answer:
 
 
 async def _take(desk: Desk, call: Call) -> Answer:
+    try:
+        # In this order NaN becomes the longest wait.
+        timeout = min(LONGEST_WAIT, float(call.json().get("timeout") or 0.0))
+    except (TypeError, ValueError) as error:
+        raise InvalidArgumentError(f"The timeout is no number: {error}.") from error
     token = desk.request_control(call.text("owner"))
-    timeout = min(float(call.json().get("timeout") or 0.0), LONGEST_WAIT)
     while desk.token is not token:
         if desk.now() >= token.since + timeout:
             desk.release_control(token.secret)
@@ -204,7 +217,8 @@ def _old_fci(desk: Desk, call: Call) -> Answer:
 
 
 def _configure(desk: Desk, call: Call) -> Answer:
-    told = call.json().get("endEffectorConfiguration", {}).get("endEffector")
+    configuration = call.json().get("endEffectorConfiguration")
+    told = configuration.get("endEffector") if isinstance(configuration, dict) else None
     if not isinstance(told, dict) or not isinstance(told.get("params"), dict):
         raise DeskRefusalError("endEffectorConfiguration alone can be changed here.")
     params = dict(told["params"])

@@ -273,14 +273,20 @@ class Desk:
             DeskRefusalError: No profile has the name.
         """
         load, frame = load_of(self.find_profile(name))
-        self.active = name
-        return self.server.change(partial(self.arm.set_mounted, load, frame))
+
+        def mount() -> None:
+            self.arm.set_mounted(load, frame)  # refused while the arm moves
+            self.active = name
+
+        return self.server.change(mount)
 
     def _check_own(self, name: str | None) -> None:
         if name in (NO_END_EFFECTOR, MOUNTED):
             raise DeskRefusalError(f"The profile {name!r} is Desk's own.")
 
 
+# Largest number of an end effector, in metres, kilograms and radians.
+_LARGEST = 1000.0
 _AXES = ("x", "y", "z")
 _TENSOR = ("x11", "x12", "x13", "x12", "x22", "x23", "x13", "x23", "x33")
 # The parts of a profile, and the names of the numbers in each.
@@ -292,6 +298,13 @@ _NUMBERS = (
 )
 
 
+def _number(told: Any, lowest: float = -_LARGEST) -> float:  # noqa: ANN401 - of JSON
+    number = float(told)
+    if not lowest <= number <= _LARGEST:
+        raise ValueError(f"{number} is not from {lowest:g} to {_LARGEST:g}")
+    return number
+
+
 def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
     """Return mass properties and F_T_NE of a profile.
 
@@ -300,13 +313,13 @@ def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
     """
     try:
         center, tensor, (x, y, z), (roll, pitch, yaw) = (
-            tuple(float(profile[part][name][key]) for key in keys)
+            tuple(_number(profile[part][name][key]) for key in keys)
             for part, name, keys in _NUMBERS
         )
-        load = Load(float(profile["inertial"]["mass"]), center, tensor)
+        load = Load(_number(profile["inertial"]["mass"], 0.0), center, tensor)
     except (KeyError, TypeError, ValueError) as error:
         raise InvalidArgumentError(
-            f"The end effector is not complete: {error}."
+            f"The end effector is not complete or not possible: {error}."
         ) from error
     return load, as_transform(Pose.from_rpy((x, y, z), (roll, pitch, yaw)))
 

@@ -10,12 +10,14 @@ import os
 import ssl
 import subprocess
 import sys
+from concurrent.futures import Future
 from queue import SimpleQueue
 
 import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
+from station.core.errors import ArmCommandError
 from station.web.limited_server import SocketProtocol
 from tests.hw.franka.fci.desk.desk_bench import HAND, take
 from tests.waiting import PATIENCE
@@ -177,14 +179,48 @@ def test_configuration_changes_the_end_effector(desk, client):
     assert answer.status_code == 204
     assert desk.arm.changes[-1][1].mass == 0.5
     assert client.get("/api/configuration").json() == told
-    wrong = client.patch("/api/configuration", json={"network": {}}, headers=control)
-    assert wrong.status_code == 424
+    for other in ({"network": {}}, {"endEffectorConfiguration": []}):
+        wrong = client.patch("/api/configuration", json=other, headers=control)
+        assert wrong.status_code == 424
+
+
+def test_change_that_the_arm_refuses_is_told_and_changes_nothing(
+    desk, client, monkeypatch
+):
+    def change(action):
+        future = Future()
+        try:
+            future.set_result(action())
+        except ArmCommandError as error:
+            future.set_exception(error)
+        return future
+
+    def refuse(_load, _frame):
+        raise ArmCommandError("The arm moves.")
+
+    monkeypatch.setattr(desk.arm, "change", change)
+    monkeypatch.setattr(desk.arm, "set_mounted", refuse)
+    control, path = take(client), "/admin/api/end-effector/profiles/active"
+    answer = client.put(path, json="ee-no-profile", headers=control)
+    assert answer.status_code == 424
+    assert "The arm moves." in answer.json()["message"]
+    assert client.get(path).json()["id"] == "ee-mounted"
 
 
 @pytest.mark.parametrize("body", [b"{", b"[]"])
 def test_body_that_is_no_object_is_refused(client, body):
     answer = client.post("/api/system/control-token:take", content=body)
     assert (answer.status_code, answer.json()["code"]) == (400, "InvalidArgument")
+
+
+@pytest.mark.parametrize("timeout", ["soon", [1.0]])
+def test_timeout_that_is_no_number_is_refused_and_takes_no_control(
+    desk, client, timeout
+):
+    body = {"owner": "ada", "timeout": timeout}
+    answer = client.post("/api/system/control-token:take", json=body)
+    assert (answer.status_code, answer.json()["code"]) == (400, "InvalidArgument")
+    assert desk.token is None
 
 
 def test_what_a_simulated_arm_has_not_is_refused_in_words(client):

@@ -1,10 +1,11 @@
 """Control passes from one to the next, and end effectors are kept."""
 
-from math import pi
+from math import inf, nan, pi
 
 import pytest
 
 from station.core.description.urdf import Pose
+from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.load import Load
 from station.hw.franka.fci.desk.desk_state import (
     MOUNTED,
@@ -99,4 +100,12 @@ def test_profile_with_a_hole_is_refused(desk, missing):
     profile = profile_of("pen", HAND, (1.0,) * 16)
     del profile[missing]
     with pytest.raises(DeskRefusalError, match="not complete"):
+        desk.save_profile(None, profile)
+
+
+@pytest.mark.parametrize("mass", [nan, inf, -0.1, 1e39])
+def test_end_effector_that_cannot_be_is_refused(desk, mass):
+    profile = profile_of("pen", HAND, IDENTITY)
+    profile["inertial"]["mass"] = mass
+    with pytest.raises(DeskRefusalError, match="not complete or not possible"):
         desk.save_profile(None, profile)
