@@ -4,6 +4,7 @@ While a client is connected no socket listens at the port, so that a second one 
 refused at once: libfranka would otherwise wait for an answer for ever.
 """
 
+import contextlib
 import logging
 import select
 import socket
@@ -67,20 +68,10 @@ class ClientPort(Generic[_Session]):
         self._unsent = bytearray()
         self._is_open = True
         self.session: _Session | None = None
+        self._listener: socket.socket | None = self._listen()
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._listener: socket.socket | None = None
-        try:
-            self._udp.bind((address[0], 0))
-            self._udp.settimeout(0.0)
-            self._listener = self._listen()
-        except OSError as error:
-            self._udp.close()
-            raise FciPortError(
-                f"{what} cannot be served at {address[0]}:{address[1]}: "
-                f"{error.strerror}.",
-                remedy="End what listens there, or choose another --host: libfranka "
-                "has fixed ports, and 127.0.0.2 is as good a loopback as 127.0.0.1.",
-            ) from error
+        self._udp.bind((address[0], 0))
+        self._udp.settimeout(0.0)
 
     def readers(self) -> list[socket.socket]:
         """Return the sockets from which something may arrive."""
@@ -94,10 +85,10 @@ class ClientPort(Generic[_Session]):
 
     def handle(self) -> None:
         """Read TCP, or accept a new client; send waiting bytes."""
-        if self._connection is None:
-            self._accept()
-        else:
-            self._receive()
+        if self._listener is not None:
+            self._accept(self._listener)
+        elif self._connection is not None and self.session is not None:
+            self._receive(self._connection, self.session)
             self.send(b"")
 
     def datagrams(self) -> list[bytes]:
@@ -117,11 +108,9 @@ class ClientPort(Generic[_Session]):
 
     def send(self, data: bytes) -> None:
         """Send answers over TCP; the part that does not fit waits for the next call."""
-        if self._connection is None:
+        if self._connection is None or not (self._unsent or data):
             return
         self._unsent += data
-        if not self._unsent:
-            return
         try:
             sent = self._connection.send(self._unsent)
         except BlockingIOError:
@@ -133,12 +122,10 @@ class ClientPort(Generic[_Session]):
 
     def send_datagram(self, data: bytes | bytearray) -> None:
         """Send a state to the client; a client that does not listen loses it."""
-        if self.session is None or self.session.udp_port is None:
-            return
-        try:
-            self._udp.sendto(data, (self._peer, self.session.udp_port))
-        except (BlockingIOError, ConnectionRefusedError):
-            return
+        if self.session is not None and self.session.udp_port is not None:
+            # Any error: the client may have named a port that cannot exist.
+            with contextlib.suppress(OSError):
+                self._udp.sendto(data, (self._peer, self.session.udp_port))
 
     def set_open(self, *, is_open: bool) -> None:
         """Listen, or send the client away and refuse connections."""
@@ -157,30 +144,37 @@ class ClientPort(Generic[_Session]):
         self._udp.close()
 
     def _listen(self) -> socket.socket:
-        listener = socket.create_server(self._address, backlog=1)
+        host, port = self._address
+        try:
+            listener = socket.create_server(self._address, backlog=1)
+        except OSError as error:
+            raise FciPortError(
+                f"{self._what} cannot be served at {host}:{port}: {error.strerror}.",
+                remedy="End what listens there, or choose another --host: libfranka "
+                "has fixed ports, and 127.0.0.2 is as good a loopback as 127.0.0.1.",
+            ) from error
         listener.settimeout(0.0)
         return listener
 
-    def _accept(self) -> None:
-        if self._listener is None:
-            return
+    def _accept(self, listener: socket.socket) -> None:
         try:
-            self._connection, address = self._listener.accept()
+            self._connection, address = listener.accept()
         except BlockingIOError:
             return
-        self._listener.close()
+        listener.close()
         self._listener = None
         self._connection.settimeout(0.0)
         self._connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._peer = address[0]
-        self.session = self._make_session()
         _logger.info("%s: %s:%d has connected", self._what, *address[:2])
-
-    def _receive(self) -> None:
-        if self._connection is None or self.session is None:
-            return
         try:
-            data = self._connection.recv(_CHUNK)
+            self.session = self._make_session()
+        except FciProtocolError as error:
+            self._turn_away(error)
+
+    def _receive(self, connection: socket.socket, session: _Session) -> None:
+        try:
+            data = connection.recv(_CHUNK)
         except BlockingIOError:
             return
         except OSError as error:
@@ -190,11 +184,9 @@ class ClientPort(Generic[_Session]):
             self._drop("the client has gone")
             return
         try:
-            answers = self.session.receive(data)
+            self.send(session.receive(data))
         except FciProtocolError as error:
             self._turn_away(error)
-            return
-        self.send(answers)
 
     def _turn_away(self, error: FciProtocolError) -> None:
         """Send the last answer to the client, and end the connection.

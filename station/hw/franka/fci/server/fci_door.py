@@ -61,7 +61,8 @@ class RelayedSession:
 
     def close(self) -> None:
         """Tell the station that the client has gone."""
-        with contextlib.suppress(*GONE):  # without a station nobody is left to tell
+        # A station that is gone, or whose loop has died, needs not be told.
+        with contextlib.suppress(*GONE, FciProtocolError):
             self._ask(LEAVE)
 
     def _ask(self, kind: int, data: bytes = b"") -> bytes:

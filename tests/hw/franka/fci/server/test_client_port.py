@@ -120,3 +120,20 @@ def test_address_that_is_taken_is_told(bench):
         Bench()
     tcp, _ = bench.connect()
     tcp.close()
+
+
+def test_client_with_a_udp_port_that_cannot_be_disturbs_nobody(bench):
+    tcp, _ = bench.open()
+    tcp.sendall(request(Command.CONNECT, 1, {"version": 5, "udp_port": 0}))
+    bench.run(10)
+    tcp.sendall(request(Command.STOP_MOVE, 3))
+    bench.run()
+    assert len(answers(tcp.recv(100))) == 2
+
+
+def test_port_that_another_program_has_taken_meanwhile_is_told(bench):
+    tcp, _ = bench.connect()
+    with socket.create_server(ROBOT):
+        tcp.close()
+        with pytest.raises(FciPortError, match="1337: Address already in use"):
+            bench.run()

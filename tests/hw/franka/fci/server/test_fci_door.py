@@ -192,3 +192,17 @@ def test_address_that_is_taken_is_told():
         one, other = multiprocessing.Pipe()
         with one, other, pytest.raises(FciPortError, match=HOST):
             FciDoor(HOST, one, SharedPage(bytearray(PAGE_BYTES)))
+
+
+def test_client_of_a_station_whose_loop_has_died_is_sent_away_and_the_next_is_not(door):
+    with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
+        assert door.receive()[0] == OPEN
+        door.station.send((b"", None, "The loop has died."))
+        assert tcp.recv(1) == b""
+    with connect_again():
+        door.expect(OPEN)
+    assert door.receive()[0] == LEAVE
+    door.station.send((b"", None, "The loop has died."))
+    with connect_again():
+        door.expect(OPEN)
+    door.expect(LEAVE)
