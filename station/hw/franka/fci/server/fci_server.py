@@ -163,6 +163,8 @@ class FciServer:
     def _make_changes(self) -> None:
         while not self._changes.empty():
             action, done = self._changes.get()
+            if not done.set_running_or_notify_cancel():
+                continue  # whoever asked for it waits no longer
             try:
                 action()
             except (OSError, StationError) as error:

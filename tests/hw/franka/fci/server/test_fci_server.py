@@ -92,3 +92,12 @@ def test_the_arms_time_waits_for_a_late_command_as_long_as_it_is_told():
         assert bench.server.counts.lost == 2
     finally:
         bench.close()
+
+
+def test_change_that_nobody_waits_for_any_longer_is_not_made(bench):
+    made = []
+    assert bench.server.change(lambda: made.append("given up")).cancel()
+    done = bench.server.change(lambda: made.append("wanted"))
+    bench.run()
+    assert done.done()
+    assert made == ["wanted"]
