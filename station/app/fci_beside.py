@@ -104,10 +104,10 @@ class FciBeside:
                 arm = world.arms[hw.parameters.arm_id]
                 desk = Desk(self, arm, hand, hw.parameters.arm)
                 self._closing.callback(DeskServer(desk, host, desk_port).close)
+            loop.run_in_cycle(self._welcome)
         except StationError:
             self.close()
             raise
-        loop.run_in_cycle(self._welcome)
 
     def __enter__(self) -> Self:
         return self

@@ -17,7 +17,7 @@ from station.app.fci_run import FciRobotError
 from station.client import StationClient
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
-from station.core.errors import ArmCommandError, SwitchRefusedError
+from station.core.errors import ArmCommandError, LoopError, SwitchRefusedError
 from station.core.franka import RobotMode
 from station.core.loop.stop_latch import StopState
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
@@ -182,6 +182,18 @@ def test_port_is_free_when_the_station_has_ended(tmp_path):
     built = station_of(CONFIG, tmp_path)
     with FciBeside(built, HOST, pytest.fail):
         pass
+    with pytest.raises(FciNetworkError, match="refused"):
+        FciNetwork(HOST, PANDA.port)
+
+
+def test_no_process_is_left_beside_a_station_whose_loop_has_died(tmp_path, monkeypatch):
+    def refuse(_action):
+        raise LoopError("The loop has died.")
+
+    built, warned = station_of(CONFIG, tmp_path), []
+    monkeypatch.setattr(built.loop, "run_in_cycle", refuse)
+    with pytest.raises(LoopError):
+        FciBeside(built, HOST, warned.append)
     with pytest.raises(FciNetworkError, match="refused"):
         FciNetwork(HOST, PANDA.port)
 
