@@ -32,6 +32,8 @@ class SteppedNetwork:
             self._answers += error.answers
 
     def receive(self, timeout):
+        if self.is_closed:  # what `select` says of a closed socket
+            raise ValueError("file descriptor cannot be a negative integer (-1)")
         data = bytes(self._answers)
         self._answers.clear()
         return data

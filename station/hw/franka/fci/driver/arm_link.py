@@ -161,7 +161,7 @@ class ArmLink:
         If the attempt failed, `loss` becomes its reason.
         """
         found = self._reconnection and self._reconnection.take_connection()
-        if not found or not self.is_returning:
+        if not found:
             return False
         self.is_returning = False
         if isinstance(found, str):
@@ -262,6 +262,8 @@ class ArmLink:
 
     def take_answer(self, number: int) -> RobotAnswer | None:
         """Return the next answer to a request if it is there; the arm may get lost."""
+        if self.loss is not None:
+            return None
         try:
             return self._client.take_answer(number)
         except (FciNetworkError, FciProtocolError) as error:

@@ -456,8 +456,7 @@ class FciArm(RobotArm):
         if answer.status != MoveStatus.MOTION_STARTED:
             raise self._link.refused(answer)
         for _ in range(_LONGEST_START):
-            if self._link.loss is not None:
-                break
+            self._link.check()
             if self._commands.is_shown():
                 return answer.command_id
             self._link.receive_next()

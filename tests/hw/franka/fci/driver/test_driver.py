@@ -290,3 +290,38 @@ def test_broken_connection_in_a_motion_loses_the_arm(monkeypatch, network, arm):
     arm.stop_motion()
     assert arm.state.robot_mode is RobotMode.OTHER
     assert "broken pipe" in arm.failure()
+
+
+def test_arm_that_falls_silent_after_it_has_accepted_a_motion_is_lost(
+    monkeypatch, network, arm
+):
+    serve = network.session.receive
+
+    def fall_silent(data):
+        network.is_silent = True
+        return serve(data)
+
+    monkeypatch.setattr(network.session, "receive", fall_silent)
+    with pytest.raises(ArmCommandError, match="arm is lost: libfranka: UDP receive"):
+        arm.start_motion(JOINT, POSITION)
+    assert arm.is_lost()
+
+
+def test_connection_that_breaks_while_two_answers_are_due_loses_the_arm(
+    monkeypatch, network, arm
+):
+    arm.start_motion(JOINT, POSITION)
+    monkeypatch.setattr(network, "receive", lambda _timeout: b"")
+    network.arm.fail("joint_reflex")
+    arm.read_once()
+    arm.automatic_error_recovery()
+
+    def broken(_timeout):
+        if network.is_closed:
+            raise ValueError("file descriptor cannot be a negative integer (-1)")
+        raise FciNetworkError("libfranka: server closed connection")
+
+    monkeypatch.setattr(network, "receive", broken)
+    arm.read_once()
+    assert arm.is_lost()
+    assert arm.failure() == "libfranka: server closed connection"
