@@ -25,40 +25,6 @@ _LENGTH = 50
 """Number of cycles kept. Source: libfranka@0.9.2 include/franka/robot.h, `log_size`."""
 
 
-class MotionLog:
-    """Keeps messages in the form in which they came; `records` converts them.
-
-    Args:
-        protocol: The version of the protocol.
-        command: The field of the client's commands, e.g. `q_c`.
-    """
-
-    def __init__(self, protocol: RobotProtocol, command: str) -> None:
-        self._protocol, self._command = protocol, command
-        self._cycles: deque[tuple[bytes, bytes]] = deque(maxlen=_LENGTH)
-
-    def note(self, state: bytearray, command: bytearray) -> None:
-        """Keep a cycle.
-
-        Args:
-            state: The arm's message.
-            command: The command that answered the previous state.
-        """
-        size = self._protocol.state.size
-        self._cycles.append((bytes(state[:size]), bytes(command)))
-
-    def records(self) -> list[ArmRecord]:
-        """Return the cycles, oldest first, at most 50."""
-        return [self._record(*cycle) for cycle in self._cycles]
-
-    def _record(self, message: bytes, command: bytes) -> ArmRecord:
-        state = self._protocol.state.unpack(message)
-        sent = self._protocol.command.unpack(command)[self._command]
-        told = {name: state[name] for name in ("q", "dq", "tau_J", "q_d", "tau_J_d")}
-        time = state["message_id"] * CYCLE_TIME
-        return ArmRecord(time=time, command=sent, **told)
-
-
 _DEVIATIONS = (10.0, 3.12, 2.0 * pi)
 """Largest deviations from a motion [m, rad, rad]. Source: libfranka@0.9.2
 src/control_loop.h, kDefaultDeviation."""
@@ -91,7 +57,6 @@ class CommandedMotion:
         send: Sends a command.
 
     Attributes:
-        log: The last cycles of the motion.
         is_late: Whether the present cycle has passed, so that nothing is sent for it.
     """
 
@@ -108,7 +73,9 @@ class CommandedMotion:
         self._generator = MotionGeneratorMode.NONE
         self._modes = (0, 0)  # as on the wire
         self._needed = self._given = 0
-        self.log = MotionLog(protocol, "tau_J_d")
+        self._logged = "tau_J_d"  # the field of the commands that the log shows
+        # State and command of the last cycles, in the form in which they came.
+        self._cycles: deque[tuple[bytes, bytes]] = deque(maxlen=_LENGTH)
         self.is_late = False
 
     def begin_motion(
@@ -131,7 +98,8 @@ class CommandedMotion:
         moves = generator is not MotionGeneratorMode.NONE
         self._needed, self._given = _TORQUES * needs_torques + _MOTION * moves, 0
         self._message[:] = bytes(len(self._message))
-        self.log = MotionLog(self._protocol, _FIELDS[generator])
+        self._logged = _FIELDS[generator]
+        self._cycles = deque(maxlen=_LENGTH)
         return {
             "controller_mode": kind,
             "motion_generator_mode": motion,
@@ -142,15 +110,19 @@ class CommandedMotion:
     def end(self) -> None:
         """Refuse all further commands."""
         self._controller, self._generator = None, MotionGeneratorMode.NONE
-        self._needed = 0
 
     def begin_cycle(self) -> None:
         """Forget an incomplete command of the last cycle."""
         self._given = 0
 
     def note_state(self) -> None:
-        """Keep the newest state for the log."""
-        self.log.note(self._reader.message, self._message)
+        """Keep the newest state for the log, with the command to the one before."""
+        state = bytes(self._reader.message[: self._protocol.state.size])
+        self._cycles.append((state, bytes(self._message)))
+
+    def log(self) -> list[ArmRecord]:
+        """Return the last cycles of the motion, oldest first, at most 50."""
+        return [self._record(*cycle) for cycle in self._cycles]
 
     def is_shown(self) -> bool:
         """Return whether the robot's newest state reports that this motion runs."""
@@ -196,6 +168,13 @@ class CommandedMotion:
             self._layout.write(self._message, "elbow_c", *elbow)
         self._layout.write(self._message, "valid_elbow", elbow is not None)
         self._give(_MOTION)
+
+    def _record(self, message: bytes, command: bytes) -> ArmRecord:
+        state = self._protocol.state.unpack(message)
+        sent = self._layout.unpack(command)[self._logged]
+        told = {name: state[name] for name in ("q", "dq", "tau_J", "q_d", "tau_J_d")}
+        time = state["message_id"] * CYCLE_TIME
+        return ArmRecord(time=time, command=sent, **told)
 
     def _write(self, field: str, values: Storage) -> None:
         """Write a part of the cycle's command into the message.

@@ -387,7 +387,7 @@ class FciArm(RobotArm):
 
     @override
     def log(self) -> list[ArmRecord]:
-        return self._commands.log.records() if self._has_failed else []
+        return self._commands.log() if self._has_failed else []
 
     @override
     def remedy(self) -> str | None:
