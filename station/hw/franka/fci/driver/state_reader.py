@@ -1,7 +1,5 @@
 """Read the message that an arm sends every cycle into the state of the seam."""
 
-import numpy as np
-
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.hw.franka.arm.load import Load, combine_loads
 from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
@@ -10,7 +8,6 @@ from station.memory.doubles import Doubles, put, zeros
 
 CYCLE_TIME = 0.001
 """Time from one state to the next [s]."""
-_FIRST_OF_LOADS, _BEHIND_LOADS = "m_ee", "elbow"
 _READINGS = 18  # of the accelerometers on one side of the boards
 _MODES = {mode.value: mode for mode in RobotMode}
 
@@ -37,7 +34,7 @@ class StateReader:
         self._numbers = StateNumbers(self._layout, self.message, state)
         self._readings = zeros(_READINGS), zeros(_READINGS)
         places = self._layout.offsets
-        self._loads = slice(places[_FIRST_OF_LOADS], places[_BEHIND_LOADS])
+        self._loads = slice(places["m_ee"], places["elbow"])
         self._known_loads = b""
         self.message_id = 0
         self.modes = (0, 0)
@@ -80,18 +77,17 @@ class StateReader:
             message[places["motion_generator_mode"]],
             message[places["controller_mode"]],
         )
-        mode = message[places["robot_mode"]]
-        self.robot_mode = _MODES.get(mode, RobotMode.OTHER)
+        self.robot_mode = _MODES.get(message[places["robot_mode"]], RobotMode.OTHER)
 
     def accelerometers(self) -> tuple[Doubles, Doubles] | None:
         """Return the readings on top and bottom of the boards [m/s^2], each 6 x 3.
 
         None in a version without them. The memory is the same at every call.
         """
-        readings = self._numbers.accelerations
-        if not readings.size:
+        accelerations = self._numbers.accelerations
+        if not accelerations[0].size:
             return None
-        for target, source in zip(self._readings, np.split(readings, 2), strict=True):
+        for target, source in zip(self._readings, accelerations, strict=True):
             put(target, source.astype(float))
         return self._readings
 

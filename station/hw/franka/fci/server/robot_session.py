@@ -135,9 +135,6 @@ Each raises `InvalidCommandError` for impossible values, and `ArmCommandError` w
 arm cannot change the setting now."""
 
 
-_READINGS = 18  # of the accelerometers on one side of the boards
-
-
 class StateWriter:
     """Keeps one message and brings it up to date in place. Control thread.
 
@@ -157,7 +154,6 @@ class StateWriter:
         self._arm, self._layout = arm, protocol.state
         self.message = bytearray(self._layout.size)
         self._numbers = StateNumbers(self._layout, self.message, arm.state)
-        self._accelerations = self._numbers.accelerations
         self._merged = [ERROR_INDEX[name] for name in protocol.merged_errors]
 
     def write(self, message_id: int, generator: int, controller: int) -> bytearray:
@@ -171,8 +167,9 @@ class StateWriter:
         state, message, places = self._arm.state, self.message, self._layout.offsets
         self._layout.write(message, "message_id", message_id)
         self._numbers.write()
-        if self._accelerations.size and (readings := self._arm.accelerometers()):
-            self._accelerations[:_READINGS], self._accelerations[_READINGS:] = readings
+        top, bottom = self._numbers.accelerations
+        if top.size and (readings := self._arm.accelerometers()):
+            top[:], bottom[:] = readings
         message[places["motion_generator_mode"]] = generator
         message[places["controller_mode"]] = controller
         message[places["robot_mode"]] = state.robot_mode.value
