@@ -136,7 +136,7 @@ def relay(port: ClientPort[RelayedSession], page: SharedPage) -> None:
     # state and sent after it, answers never overtake it.
     answers, state = page.take_answers(), page.take_state()
     if state is not None:
-        port.send_datagram(bytes(state))
+        port.send_datagram(state)
     port.send(answers)
 
 

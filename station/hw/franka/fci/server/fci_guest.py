@@ -10,7 +10,6 @@ from typing import Generic, TypeVar
 from typing_extensions import override
 
 from station.hw.franka.arm.robot_arm import RobotArm
-from station.hw.franka.fci.server.client_port import ClientSession
 from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
     GripperSession,
@@ -20,7 +19,7 @@ from station.hw.franka.fci.server.shared_page import SharedPage
 from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
 from station.hw.franka.hand.hand_services import HandServices
 
-SessionT = TypeVar("SessionT", bound=ClientSession)
+SessionT = TypeVar("SessionT", RobotSession, GripperSession)
 
 
 class _Guest(Generic[SessionT]):
@@ -34,7 +33,8 @@ class _Guest(Generic[SessionT]):
     """
 
     def __init__(self, page: SharedPage, begin: Callable[[], SessionT]) -> None:
-        self._page, self._begin = page, begin
+        self._page = page
+        self._begin: Callable[[], SessionT] = begin
         self._session: SessionT | None = None
         self._unsent = b""
 
@@ -64,10 +64,20 @@ class _Guest(Generic[SessionT]):
         if session is not None:
             session.close()
 
-    def _answer(self) -> None:
-        """Leave the answers that are due, if there is room for them."""
-        if self._unsent and self._page.has_room():
-            self._page.put_answers(self._unsent)
+    def _put_messages(self, session: SessionT, number: int, every: int = 1) -> None:
+        """Leave a state, and the answers that became due if there is room for them.
+
+        Args:
+            session: The session of the client.
+            number: Number of the state.
+            every: Only every such number is that of a state.
+        """
+        self._unsent += session.after_cycle()
+        # The state goes first: a client that reads the answer reports the errors of
+        # this state.
+        if not number % every:
+            self._page.put_state(session.state(number))
+        if self._unsent and self._page.put_answers(self._unsent):
             self._unsent = b""
 
 
@@ -139,16 +149,10 @@ class FciGuest(_Guest[RobotSession]):
 
     def after_read(self) -> None:
         """Leave the new state for the client, and the answers that became due."""
-        session, page = self._session, self._page
-        if session is None or session.udp_port is None:
-            return
-        arm = self._arm
-        arm.refresh_state()
-        self._unsent += session.after_cycle()
-        # The state goes first: a client that reads the answer reports the errors of
-        # this state.
-        page.put_state(session.state(round(arm.state.time / arm.cycle_time)))
-        self._answer()
+        session, arm = self._session, self._arm
+        if session is not None and session.udp_port is not None:
+            arm.refresh_state()
+            self._put_messages(session, round(arm.state.time / arm.cycle_time))
 
     def _is_free(self) -> bool:
         return self._may_move() and not self._is_commanded()
@@ -171,14 +175,10 @@ class HandGuest(_Guest[GripperSession]):
 
     def after_read(self) -> None:
         """Leave new states for the client."""
-        session, page = self._session, self._page
-        if session is None or session.udp_port is None:
-            return
-        self._unsent += session.after_cycle()
-        self._answer()
-        self._cycle += 1
-        if not self._cycle % GRIPPER_PERIOD:
-            page.put_state(session.state(self._cycle))
+        session = self._session
+        if session is not None and session.udp_port is not None:
+            self._cycle += 1
+            self._put_messages(session, self._cycle, GRIPPER_PERIOD)
 
 
 class GuestReading:

@@ -40,7 +40,7 @@ class SharedPage:
         """Leave a state; an older one that was not taken is lost. Control thread."""
         self._put(_STATE, message)
 
-    def take_state(self) -> memoryview | None:
+    def take_state(self) -> bytes | None:
         """Return the newest state if it is a new one. Server's process."""
         return self._take(_STATE)
 
@@ -51,27 +51,28 @@ class SharedPage:
 
     def take_command(self) -> bytes | None:
         """Return the newest command if it is a new one. Control thread."""
-        command = self._take(_COMMAND)
-        return None if command is None else bytes(command)
+        return self._take(_COMMAND)
 
-    def has_room(self) -> bool:
-        """Return whether the last answers have been taken. Control thread."""
-        return self._numbers[_ANSWERS] == self._numbers[_SIZES - 1]
+    def put_answers(self, data: bytes) -> bool:
+        """Leave answers, at most 4 KB; return whether there was room. Control thread.
 
-    def put_answers(self, data: bytes) -> None:
-        """Leave answers, at most 4 KB, once there is room. Control thread."""
+        There is room once the last answers have been taken.
+        """
+        if self._numbers[_ANSWERS] != self._numbers[_SIZES - 1]:
+            return False
         self._put(_ANSWERS, data)
+        return True
 
     def take_answers(self) -> bytes:
         """Return the answers that were left, or no bytes. Server's process."""
         number = self._numbers[_ANSWERS]
         if number == self._numbers[_SIZES - 1]:
             return b""
-        data = bytes(self._find(_ANSWERS, number))
+        data = self._find(_ANSWERS, number)
         self._numbers[_SIZES - 1] = number
         return data
 
-    def _take(self, kind: int) -> memoryview | None:
+    def _take(self, kind: int) -> bytes | None:
         number = self._numbers[kind]
         if number == self._taken[kind]:
             return None
@@ -84,6 +85,6 @@ class SharedPage:
         self._numbers[_SIZES + 2 * kind + number % 2] = len(data)
         self._numbers[kind] = number
 
-    def _find(self, kind: int, number: int) -> memoryview:
+    def _find(self, kind: int, number: int) -> bytes:
         size = self._numbers[_SIZES + 2 * kind + number % 2]
-        return self._slots[2 * kind + number % 2][:size]
+        return bytes(self._slots[2 * kind + number % 2][:size])

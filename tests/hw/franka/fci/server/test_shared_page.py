@@ -18,7 +18,7 @@ def test_empty_page_has_nothing(sides):
     assert control.take_command() is None
     assert server.take_state() is None
     assert server.take_answers() == b""
-    assert control.has_room()
+    assert control.put_answers(b"")
 
 
 def test_newest_state_is_taken_once(sides):
@@ -42,8 +42,8 @@ def test_newest_command_is_taken_once_and_others_are_no_commands(sides):
 
 def test_answers_wait_for_room(sides):
     control, server = sides
-    control.put_answers(b"first")
-    assert not control.has_room()
+    assert control.put_answers(b"first")
+    assert not control.put_answers(b"second")
     assert server.take_answers() == b"first"
-    assert control.has_room()
     assert server.take_answers() == b""
+    assert control.put_answers(b"second")
