@@ -64,8 +64,6 @@ class ArmLimits:
         velocity: Highest speeds of the joints [rad/s].
         acceleration: Largest accelerations of the joints [rad/s^2].
         jerk: Largest jerks of the joints [rad/s^3].
-        torque: Largest torques of the joints [Nm].
-        torque_rate: Largest rate of commanded torques [Nm/s].
         translation: Limits of the end effector's translation.
         rotation: Limits of the end effector's rotation.
         elbow: Limits of the elbow angle.
@@ -79,6 +77,8 @@ class ArmLimits:
             the range, so that commands need no position limits as well.
         filters_first_pose: Whether the low-pass acts on the first position or pose of a
             motion, too.
+        torque: Largest torques of the joints [Nm].
+        torque_rate: Largest rate of commanded torques [Nm/s].
     """
 
     lower: tuple[float, ...]
@@ -86,8 +86,6 @@ class ArmLimits:
     velocity: tuple[float, ...]
     acceleration: tuple[float, ...]
     jerk: tuple[float, ...]
-    torque: tuple[float, ...]
-    torque_rate: float
     translation: MotionLimits
     rotation: MotionLimits
     elbow: MotionLimits
@@ -96,6 +94,8 @@ class ArmLimits:
     urdf: UrdfValues | None = None
     curves: tuple[tuple[float, float, float, float], ...] = ()
     filters_first_pose: bool = True
+    torque: tuple[float, ...] = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
+    torque_rate: float = 1000.0
 
     def velocity_range(self, joint: int, q: float) -> tuple[float, float]:
         """Return the lowest and the highest velocity of a joint [rad/s].
@@ -118,8 +118,6 @@ PANDA_LIMITS = ArmLimits(
     velocity=(2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61),
     acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
     jerk=(7500.0, 3750.0, 5000.0, 6250.0, 7500.0, 10000.0, 10000.0),
-    torque=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
-    torque_rate=1000.0,
     translation=MotionLimits(2.0, 13.0, 6500.0),
     rotation=MotionLimits(2.5, 25.0, 12500.0),
     elbow=MotionLimits(2.175, 10.0, 5000.0),
@@ -161,8 +159,6 @@ FR3_LIMITS = ArmLimits(
     velocity=(2.62, 2.62, 2.62, 2.62, 5.26, 4.18, 5.26),
     acceleration=(10.0,) * 7,
     jerk=(5000.0,) * 7,
-    torque=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
-    torque_rate=1000.0,
     translation=MotionLimits(3.0, 9.0, 4500.0),
     rotation=MotionLimits(2.5, 17.0, 8500.0),
     elbow=MotionLimits(2.62, 10.0, 5000.0),
