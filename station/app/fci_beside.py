@@ -13,7 +13,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Self
 
-from station.app.fci_run import FciRobotError, model_library_of, robot_model_of
+from station.app.fci_run import FciRobotError, features_of
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka import GripperServicesInterface
@@ -21,10 +21,9 @@ from station.core.loop.stop_latch import StopState
 from station.hw.franka.fci.desk.desk_state import Desk
 from station.hw.franka.fci.server import fci_door
 from station.hw.franka.fci.server.client_port import FciPortError
-from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
+from station.hw.franka.fci.server.fci_guest import FciGuest, HandGuest, with_guests
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.messages import FciProtocolError
-from station.hw.franka.fci.wire.robot_protocol import protocols_of
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.hand.hand_services import HandServices
 
@@ -70,7 +69,7 @@ class FciBeside:
                 "simulated arm of type franka_hw/FrankaHW alone.",
                 remedy="Set fci.enabled to false, or choose such a robot.",
             )
-        library = model_library_of(hw.parameters, warn)
+        features = features_of(hw.parameters, version, warn)
         self._loop, self._hw, self._host, self._warn = loop, hw, host, warn
         self._memory = os.memfd_create("station-fci")
         os.ftruncate(self._memory, fci_door.MEMORY_BYTES)
@@ -79,9 +78,7 @@ class FciBeside:
         self._guest = FciGuest(
             hw.arm,
             self._pages[0],
-            library,
-            protocols_of(hw.parameters.arm, version),
-            robot_model_of(hw.parameters),
+            features,
             is_commanded=lambda: hw.is_commanded,
             may_move=self._may_move,
         )
@@ -191,8 +188,8 @@ class FciBeside:
         def wait(is_waiting: bool) -> None:  # noqa: FBT001 - called in every cycle
             cycle.longest_period = period if is_waiting else longest
 
-        reading = GuestReading(self._guest, hw.read, wait, self._hand)
-        hw.read = reading.read  # type: ignore[method-assign]
+        read = with_guests(self._guest, hw.read, wait, self._hand)
+        hw.read = read  # type: ignore[assignment,method-assign]
 
     def _may_move(self) -> bool:
         return self._loop.stop_latch.state is StopState.ARMED

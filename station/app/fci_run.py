@@ -1,9 +1,9 @@
 """A simulated Franka arm behind the Franka Control Interface, without a station."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, closing, suppress
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass
 
 from station.app.composition import ROBOT_NAMESPACE, root_parameters
 from station.app.shutdown_signals import ShutdownSignals
@@ -18,7 +18,7 @@ from station.hw.franka.fci.server.model_library import (
     build_model_library,
 )
 from station.hw.franka.fci.server.robot_model import write_robot_model
-from station.hw.franka.fci.server.robot_session import ModelLibrary
+from station.hw.franka.fci.server.robot_session import ClientFeatures
 from station.hw.franka.fci.wire.robot_protocol import protocols_of
 from station.hw.franka.franka_parameters import FrankaParameters, read_parameters
 from station.hw.franka.hand.hand_services import HandServices
@@ -39,7 +39,7 @@ class FciRun:
 
     Attributes:
         config: The configuration, of which only robot and scene are used.
-        settings: Address and protocol of the server.
+        settings: Address and timing of the server.
         version: The only version of the protocol; None for all versions with a table.
         desk_port: TCP port of Desk; None serves no Desk; then the brakes are open and
             FCI is active.
@@ -82,11 +82,9 @@ class FciRun:
         world = simulate_one(parameters, root)
         arm, gripper = world.arms[arm_id], world.grippers.get(arm_id)
         hand = None if gripper is None else HandServices(arm_id, gripper)
-        library = model_library_of(parameters, self.warn)
-        protocols = protocols_of(parameters.arm, self.version)
-        settings, host = replace(self.settings, protocols=protocols), self.settings.host
-        model = robot_model_of(parameters)
-        server = FciServer(arm, hand, settings, library, robot_model=model)
+        features = features_of(parameters, self.version, self.warn)
+        host = self.settings.host
+        server = FciServer(arm, hand, self.settings, features)
         with ExitStack() as stack:
             stack.enter_context(closing(server))
             if self.desk_port is not None:
@@ -104,7 +102,7 @@ class FciRun:
                 )
             stack.enter_context(realtime_interpreter())
             granted = request_realtime_priority()
-            spoken = sorted(one.version for one in protocols)
+            spoken = sorted(one.version for one in features.protocols)
             versions = " to ".join(map(str, dict.fromkeys((spoken[0], spoken[-1]))))
             self.tell(
                 f"Franka Control Interface {versions} of arm '{arm_id}' at "
@@ -122,31 +120,24 @@ class FciRun:
         return server.counts
 
 
-def robot_model_of(parameters: FrankaParameters) -> str:
-    """Return the URDF of an arm for clients.
+def features_of(
+    parameters: FrankaParameters, version: int | None, warn: Callable[[str], None]
+) -> ClientFeatures:
+    """Return the versions and the models of an arm for clients.
+
+    Args:
+        parameters: The arm.
+        version: The only version of the protocol; None for all versions with a table.
+        warn: Called with a line if there is no model library for clients.
 
     Raises:
         RobotDescriptionError: The URDF of the arm cannot be used.
     """
     description = load_arm_description(parameters.robot_description, parameters.limits)
-    return write_robot_model(description, parameters.limits, parameters.arm)
-
-
-def model_library_of(
-    parameters: FrankaParameters, warn: Callable[[str], None]
-) -> ModelLibrary:
-    """Return the source of an arm's model library for clients.
-
-    Args:
-        parameters: The arm.
-        warn: Called with a line if there is no model library for clients.
-
-    Raises:
-        RobotDescriptionError: The URDF cannot be used.
-    """
-    description = load_arm_description(parameters.robot_description, parameters.limits)
+    libraries: Mapping[tuple[int, int], bytes] = {}
     try:
-        return build_model_library(description)
+        libraries = build_model_library(description)
     except ModelLibraryError as error:
         warn(f"Clients get no model library: {error} {error.remedy}")
-        return lambda _architecture, _system: None
+    model = write_robot_model(description, parameters.limits, parameters.arm)
+    return ClientFeatures(protocols_of(parameters.arm, version), libraries, model)

@@ -6,7 +6,7 @@ import pytest
 
 from station.app import fci_run
 from station.app.composition import ROBOT_NAMESPACE, root_parameters
-from station.app.fci_run import FciRobotError, FciRun, robot_model_of
+from station.app.fci_run import FciRobotError, FciRun, features_of
 from station.config import load_config
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
 from station.hw.franka.fci.server.model_library import ModelLibraryError
@@ -90,4 +90,6 @@ def test_arm_speaks_all_versions_and_names_its_newest_to_others(make, arm, own):
     spoken = [protocol.version for protocol in protocols_of(arm)]
     assert (sorted(spoken), spoken[-1]) == ([5, 6, 7, 8, 9, 10], own)
     assert [one.version for one in protocols_of(arm, 8)] == [8]
-    assert f'<robot name="{arm}">' in robot_model_of(parameters)
+    features = features_of(parameters, 8, pytest.fail)
+    assert f'<robot name="{arm}">' in features.robot_model
+    assert [one.version for one in features.protocols] == [8]

@@ -58,18 +58,15 @@ def run_checks(
     tmp_path,
     monkeypatch,
     *,
-    protocols,
-    library=lambda *_: None,
-    model="",
+    features,
     arguments=(),
     late_at=(),
 ):
     """Return the report of the checks against an arm."""
     seconds = count()
-    settings = FciSettings(HOST, protocols=protocols)
     # A clock that is always late: the server polls once, and makes its cycle.
     server = FciServer(
-        arm, None, settings, library, lambda: float(next(seconds)), model
+        arm, None, FciSettings(HOST), features, lambda: float(next(seconds))
     )
     now = SimpleNamespace(monotonic=lambda: arm.state.time, sleep=lambda _s: None)
     monkeypatch.setattr(dialog, "time", now)

@@ -1,21 +1,24 @@
 """The checks of an endpoint: ours passes; an arm without errors is found out."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
-from station.app.fci_run import robot_model_of
+from station.app.fci_run import features_of
 from station.core.parameters import Parameters, ParameterTree
-from station.hw.franka.fci.wire.robot_protocol import FR3, PANDA
+from station.hw.franka.fci.server.robot_session import ClientFeatures
+from station.hw.franka.fci.wire.robot_protocol import (
+    FR3,
+    PANDA,
+    Architecture,
+    System,
+)
 from station.hw.franka.franka_parameters import read_parameters
 from station.hw.franka.simulated.franka_world import simulate_one
 from station.testing.fci_conformance import dialog, plugin
 from tests.hw.franka.scripted_arm import ScriptedArm
 from tests.testing.fci_conformance.pumped_endpoint import run_checks
-
-
-def library(_architecture, _system):
-    return b"\x7fELF"
 
 
 @pytest.mark.slow
@@ -35,9 +38,10 @@ def test_simulated_arm_passes(protocol, tmp_path, monkeypatch, capsys):
         arm,
         tmp_path,
         monkeypatch,
-        protocols=[protocol],
-        library=library,
-        model=robot_model_of(parameters),
+        features=replace(
+            features_of(parameters, protocol.version, pytest.fail),
+            libraries={(Architecture.X64, System.LINUX): b"\x7fELF"},
+        ),
         arguments=["--fci-move"],
     )
     failed = {check: row for check, row in rows.items() if row["result"] == "failed"}
@@ -63,7 +67,7 @@ def test_the_load_of_a_check_goes_even_if_the_endpoint_falls_silent(
         arm,
         tmp_path,
         monkeypatch,
-        protocols=[PANDA],
+        features=ClientFeatures(),
         arguments=["--fci-move", "-k", "load_that_is_not_there"],
     )
 
@@ -73,7 +77,9 @@ def test_the_load_of_a_check_goes_even_if_the_endpoint_falls_silent(
 
 def test_checks_that_move_are_left_out_unless_asked_for(tmp_path, monkeypatch, capsys):
     arm = ScriptedArm()
-    code, rows, report = run_checks(arm, tmp_path, monkeypatch, protocols=[PANDA])
+    code, rows, report = run_checks(
+        arm, tmp_path, monkeypatch, features=ClientFeatures()
+    )
     assert code == 1
     assert not arm.sent
     assert rows["stop preempts a motion"]["result"] == "skipped: it moves the arm"
@@ -93,7 +99,9 @@ def test_checks_that_move_are_left_out_unless_asked_for(tmp_path, monkeypatch, c
 def test_arm_that_tells_no_gravity_and_has_no_model_is_found_out(
     tmp_path, monkeypatch, capsys
 ):
-    _, rows, _ = run_checks(ScriptedArm(), tmp_path, monkeypatch, protocols=[PANDA])
+    _, rows, _ = run_checks(
+        ScriptedArm(), tmp_path, monkeypatch, features=ClientFeatures()
+    )
     gravity = rows["gravity is told"]
     assert gravity["result"] == "failed"
     assert gravity["seen"] == "(0, 0, 0) m/s²"
@@ -105,7 +113,11 @@ def test_arm_without_errors_is_found_out(tmp_path, monkeypatch):
     """An arm that follows each command, and tells no names of errors."""
     arguments = ["--fci-move", "-k", "jump or silence or singular or preempts"]
     code, rows, _ = run_checks(
-        ScriptedArm(), tmp_path, monkeypatch, protocols=[PANDA], arguments=arguments
+        ScriptedArm(),
+        tmp_path,
+        monkeypatch,
+        features=ClientFeatures(),
+        arguments=arguments,
     )
     assert code == 1
     assert rows["stop preempts a motion"]["result"] == "passed"
@@ -132,7 +144,7 @@ def test_check_is_made_again_if_this_side_was_late(
         ScriptedArm(),
         tmp_path,
         monkeypatch,
-        protocols=[PANDA],
+        features=ClientFeatures(),
         arguments=["--fci-move", "-k", "goes_where_it_is_told"],
         late_at=late_at,
     )

@@ -8,7 +8,10 @@ from itertools import count
 
 from station.hw.franka.fci.driver.network import FciNetwork
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
+from station.hw.franka.fci.server.robot_session import ClientFeatures
 from station.hw.franka.fci.wire.robot_protocol import PANDA
+
+FEATURES = ClientFeatures()
 
 
 class PumpedNetwork(FciNetwork):
@@ -18,14 +21,14 @@ class PumpedNetwork(FciNetwork):
         arm: The arm.
         host: Address of the server.
         hand: The services of a hand, if there is one.
-        model_library: Where model libraries come from.
+        features: The versions and models of the arm.
     """
 
-    def __init__(self, arm, host, hand=None, model_library=lambda _a, _s: None):
+    def __init__(self, arm, host, hand=None, features=FEATURES):
         # A clock that is always late: the server polls once, and makes its cycle.
         seconds = count()
         self.server = FciServer(
-            arm, hand, FciSettings(host), model_library, lambda: float(next(seconds))
+            arm, hand, FciSettings(host), features, lambda: float(next(seconds))
         )
         try:
             super().__init__(host, PANDA.port)

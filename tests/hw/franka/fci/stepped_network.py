@@ -3,7 +3,7 @@
 Nothing waits, and every run is the same.
 """
 
-from station.hw.franka.fci.server.robot_session import RobotSession
+from station.hw.franka.fci.server.robot_session import ClientFeatures, RobotSession
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 
@@ -18,7 +18,7 @@ class SteppedNetwork:
 
     def __init__(self, arm, protocol=PANDA):
         self.arm = arm
-        self.session = RobotSession(arm, protocols=[protocol])
+        self.session = RobotSession(arm, ClientFeatures([protocol]))
         self.udp_port = 4711
         self.messages = 0
         self.is_silent = self.is_closed = False

@@ -135,11 +135,12 @@ def test_collision_is_told_in_libfrankas_words_and_recovered_from(seen):
 OTHER_VERSION = """
 import dataclasses, sys
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
+from station.hw.franka.fci.server.robot_session import ClientFeatures
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 from tests.hw.franka.scripted_arm import ScriptedArm
 
-settings = FciSettings(sys.argv[1], protocols=[dataclasses.replace(PANDA, version=6)])
-server = FciServer(ScriptedArm(), None, settings, lambda _a, _s: None)
+features = ClientFeatures([dataclasses.replace(PANDA, version=6)])
+server = FciServer(ScriptedArm(), None, FciSettings(sys.argv[1]), features)
 print("ready", flush=True)
 server.run(lambda: False)
 """

@@ -7,8 +7,8 @@ from station.core.franka import RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.fci.driver.fci_client import IncompatibleVersionError
-from station.hw.franka.fci.server.robot_session import RobotSession
-from station.hw.franka.fci.wire.messages import FciVersionError
+from station.hw.franka.fci.server.robot_session import ClientFeatures, RobotSession
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     FR3,
     HEADER,
@@ -17,8 +17,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     Command,
     MoveController,
     MoveGenerator,
-    MoveStatus,
-    StopMoveStatus,
+    Status,
 )
 from tests.hw.franka.fci.stepped_network import SteppedNetwork
 from tests.hw.franka.plain_model import PlainModel
@@ -87,7 +86,7 @@ class Client:
 
     def __init__(self, version, protocols=FR3):
         self.arm = ScriptedArm()
-        self.session = RobotSession(self.arm, protocols=protocols)
+        self.session = RobotSession(self.arm, ClientFeatures(protocols))
         self.protocol = PROTOCOLS[version]
 
     def ask(self, command, **values):
@@ -111,13 +110,13 @@ class Client:
 def test_client_chooses_one_of_the_versions_that_are_spoken(version):
     client = Client(version)
     assert client.ask(Command.CONNECT, version=version, udp_port=1) == [(0, 0)]
-    assert client.ask(Command.STOP_MOVE) == [(2, StopMoveStatus.SUCCESS)]
+    assert client.ask(Command.STOP_MOVE) == [(2, 0)]
     assert client.ask(Command.SET_LOAD, m_load=0.1) == [(9, 0)]
 
 
 def test_client_of_the_panda_is_told_that_an_fr3_is_no_panda():
     client = Client(5)
-    with pytest.raises(FciVersionError) as refused:
+    with pytest.raises(FciProtocolError) as refused:
         client.ask(Command.CONNECT, version=5, udp_port=1)
     assert client.read(refused.value.answers) == [(0, 1)]
     network = SteppedNetwork(ScriptedArm(), FR3[0])
@@ -132,7 +131,7 @@ def test_version_7_moves_without_a_generator_until_the_torques_end():
         "controller_mode": MoveController.EXTERNAL_CONTROLLER,
         "motion_generator_mode": MoveGenerator.NONE,
     }
-    assert client.ask(Command.MOVE, **modes) == [(1, MoveStatus.MOTION_STARTED)]
+    assert client.ask(Command.MOVE, **modes) == [(1, 1)]
     state = client.protocol.state.unpack(client.session.state(1))
     assert state["motion_generator_mode"] == 5
     for number, is_over in ((1, False), (2, True)):
@@ -141,7 +140,7 @@ def test_version_7_moves_without_a_generator_until_the_torques_end():
         assert client.session.before_cycle() == b""
         client.arm.read_once()
         answers = client.read(client.session.after_cycle())
-    assert answers == [(1, MoveStatus.SUCCESS)]
+    assert answers == [(1, 0)]
     assert client.arm.state.robot_mode is RobotMode.IDLE
 
 
@@ -150,6 +149,6 @@ def test_version_6_has_no_motion_without_a_generator():
     client.ask(Command.CONNECT, version=6, udp_port=1)
     modes = {"controller_mode": 2, "motion_generator_mode": MoveGenerator.NONE}
     refused = client.protocol.exchanges[Command.MOVE].statuses.index(
-        MoveStatus.INVALID_ARGUMENT_REJECTED
+        Status.INVALID_ARGUMENT_REJECTED
     )
     assert client.ask(Command.MOVE, **modes) == [(1, refused)]

@@ -22,7 +22,7 @@ from station.hw.franka.fci.wire.messages import NOTHING, FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     Command,
     RobotProtocol,
-    SetterStatus,
+    Status,
 )
 
 
@@ -91,7 +91,7 @@ class Reconnection:
         try:
             for command, values in self._settings:
                 answer = made.client.ask(command, values)
-                if answer.status:  # 0 is success for every command
+                if answer.status is not Status.SUCCESS:
                     raise FciNetworkError(refusal_of(answer, RobotMode.OTHER))
         except StationError:
             made.network.close()
@@ -239,12 +239,12 @@ class ArmLink:
             InvalidCommandError: The arm refuses the value.
         """
         answer = self.ask(command, values)
-        if answer.status == SetterStatus.INVALID_ARGUMENT_REJECTED:
+        if answer.status is Status.INVALID_ARGUMENT_REJECTED:
             raise InvalidCommandError(
                 refusal_of(answer, self.reader.robot_mode),
                 remedy="Give values that this arm allows.",
             )
-        if answer.status != SetterStatus.SUCCESS:
+        if answer.status is not Status.SUCCESS:
             raise self.refused(answer)
         self.receive_next()
 

@@ -37,8 +37,8 @@ from station.hw.franka.fci.driver.state_reader import CYCLE_TIME
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,
-    MoveStatus,
     RobotProtocol,
+    Status,
 )
 from station.memory.doubles import Doubles, Storage
 from station.reports import ArmRecord
@@ -82,7 +82,7 @@ class PendingRequests:
             if answer is None:
                 continue
             del self._waiting[number]
-            if answer.status:  # 0 is success for every command
+            if answer.status is not Status.SUCCESS:
                 self.failure = refusal_of(answer, self._link.reader.robot_mode)
 
     def clear(self) -> None:
@@ -453,7 +453,7 @@ class FciArm(RobotArm):
         Raises:
             ArmCommandError: The arm refuses the motion, or no state shows it in time.
         """
-        if answer.status != MoveStatus.MOTION_STARTED:
+        if answer.status is not Status.MOTION_STARTED:
             raise self._link.refused(answer)
         for _ in range(_LONGEST_START):
             self._link.check()

@@ -24,8 +24,8 @@ from station.hw.franka.fci.wire.messages import (
 from station.hw.franka.fci.wire.robot_protocol import (
     Command,
     CommandT,
-    ConnectStatus,
     FciProtocol,
+    Status,
 )
 
 RobotAnswer: TypeAlias = Answer[Command]
@@ -77,9 +77,9 @@ class FciClient(Generic[CommandT]):
         own, port = self._protocol.version, self._network.udp_port
         asked = {"version": own, "udp_port": port}
         answer = self.ask(self._protocol.connect, asked)
-        if answer.status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION:
+        if answer.status is Status.INCOMPATIBLE_LIBRARY_VERSION:
             raise IncompatibleVersionError(own, answer.values["version"])
-        if answer.status != ConnectStatus.SUCCESS:
+        if answer.status is not Status.SUCCESS:
             raise FciProtocolError(
                 "libfranka: Protocol error during connection attempt"
             )

@@ -24,6 +24,7 @@ from station.hw.franka.fci.driver.network import (
 )
 from station.hw.franka.fci.wire.gripper_protocol import HAND, HandCommand
 from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.robot_protocol import Status
 
 LOOK = 0.1
 """Time between two looks at the states of a hand [s]. Source: franka_ros@c11f000
@@ -60,7 +61,7 @@ class HandOutcome:
     """
 
     identifier: int
-    status: int | None
+    status: Status | None
 
 
 class HandLink:

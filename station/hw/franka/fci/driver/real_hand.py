@@ -25,10 +25,8 @@ from station.core.franka import (
 from station.core.hardware.interfaces import JointStateHandle, JointStateInterface
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.fci.driver.hand_link import HandLink, HandOrder
-from station.hw.franka.fci.wire.gripper_protocol import (
-    GripperStatus,
-    HandCommand,
-)
+from station.hw.franka.fci.wire.gripper_protocol import HandCommand
+from station.hw.franka.fci.wire.robot_protocol import Status
 from station.hw.franka.hand.hand_limits import OPEN_WIDTH, check_grasp, check_move
 from station.memory.doubles import Block
 
@@ -39,8 +37,8 @@ _ACTIVITIES = {
 }
 _MILLISECOND = 0.001
 _FAILURES = {
-    GripperStatus.FAIL: "libfranka gripper: Command failed!",
-    GripperStatus.ABORTED: "libfranka gripper: Command aborted!",
+    Status.FAIL: "libfranka gripper: Command failed!",
+    Status.ABORTED: "libfranka gripper: Command aborted!",
 }
 
 
@@ -147,16 +145,16 @@ class RealHand(GripperServices):
             outcome = outcomes.popleft()
             if self._command is None or outcome.identifier != self._command.identifier:
                 continue  # of a command that a newer command has replaced
-            if outcome.status == GripperStatus.SUCCESS:
+            if outcome.status == Status.SUCCESS:
                 self._end(GoalStatus.SUCCEEDED, "")
             else:
                 self._end(GoalStatus.ABORTED, self._failure(outcome.status))
 
-    def _failure(self, status: int | None) -> str:
+    def _failure(self, status: Status | None) -> str:
         """Return the reason why a command did not succeed."""
         if status is None:
             return f"The hand was lost: {(self._link.problem or '').rstrip('.')}."
-        if status == GripperStatus.UNSUCCESSFUL:
+        if status == Status.UNSUCCESSFUL:
             state = self._link.state
             where = "" if state is None else f" at {state['width']:.4f} m"
             return f"The fingers came to rest{where}, where they should not."

@@ -6,29 +6,23 @@ remedies as well.
 
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.fci.driver.fci_client import RobotAnswer
-from station.hw.franka.fci.wire.robot_protocol import Command
+from station.hw.franka.fci.wire.robot_protocol import Command, Status
 
 _WORDS = {
-    "PREEMPTED": "command preempted!",
-    "START_AT_SINGULAR_POSE_REJECTED": (
-        "command rejected: cannot start at singular pose!"
+    Status.PREEMPTED: "preempted!",
+    Status.START_AT_SINGULAR_POSE_REJECTED: "rejected: cannot start at singular pose!",
+    Status.INVALID_ARGUMENT_REJECTED: "rejected: invalid argument!",
+    Status.REFLEX_ABORTED: "aborted: motion aborted by reflex!",
+    Status.EMERGENCY_ABORTED: "aborted: User Stop pressed!",
+    Status.INPUT_ERROR_ABORTED: "aborted: invalid input provided!",
+    Status.MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED: (
+        "rejected: manual error recovery required!"
     ),
-    "INVALID_ARGUMENT_REJECTED": "command rejected: invalid argument!",
-    "REFLEX_ABORTED": "command aborted: motion aborted by reflex!",
-    "EMERGENCY_ABORTED": "command aborted: User Stop pressed!",
-    "INPUT_ERROR_ABORTED": "command aborted: invalid input provided!",
-    "MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED": (
-        "command rejected: manual error recovery required!"
-    ),
-    "ABORTED": "command aborted!",
-    "PREEMPTED_BY_SAFETY": "command preempted due to activated safety function!",
-    "REJECTED_BY_SAFETY": "command rejected due to activated safety function!",
+    Status.ABORTED: "aborted!",
+    Status.PREEMPTED_BY_SAFETY: "preempted due to activated safety function!",
+    Status.REJECTED_BY_SAFETY: "rejected due to activated safety function!",
 }
-_WORDS_OF_MOVE = {
-    "INVALID_ARGUMENT_REJECTED": (
-        "command rejected: maximum path deviation out of range!"
-    ),
-}
+_WRONG_MOVE = Command.MOVE, Status.INVALID_ARGUMENT_REJECTED
 REMEDIES = {
     RobotMode.OTHER: "open the brakes and activate FCI in Desk",
     RobotMode.GUIDING: "let go of the guiding buttons",
@@ -46,18 +40,18 @@ def refusal_of(answer: RobotAnswer, mode: RobotMode) -> str:
         answer: The answer.
         mode: The arm's mode.
     """
-    status, command = answer.status.name, answer.command
-    name = command.name.replace("_", " ").title()
+    name = answer.command.name.replace("_", " ").title()
     # Names of frames keep their capitals: "Set NE to EE".
     name = name.replace("Ne ", "NE ").replace("Ee", "EE").replace(" To ", " to ")
-    if status == "COMMAND_NOT_POSSIBLE_REJECTED":
+    words = _WORDS.get(answer.status)
+    if answer.status is Status.COMMAND_NOT_POSSIBLE_REJECTED:
         shown = mode.name.replace("_", " ").capitalize()
         brakes = " Did you open the brakes?" if mode is RobotMode.OTHER else ""
-        return (
-            f"libfranka: {name} command rejected: command not possible in the current "
-            f'mode ("{shown}")!{brakes}'
+        words = (
+            f'rejected: command not possible in the current mode ("{shown}")!{brakes}'
         )
-    words = _WORDS | _WORDS_OF_MOVE if command is Command.MOVE else _WORDS
-    if status not in words:
+    elif (answer.command, answer.status) == _WRONG_MOVE:
+        words = "rejected: maximum path deviation out of range!"
+    if words is None:
         return f"libfranka: Unexpected response while handling {name} command!"
-    return f"libfranka: {name} {words[status]}"
+    return f"libfranka: {name} command {words}"

@@ -4,7 +4,7 @@ Either the station's controllers command the arm, or the client does. The hand o
 newest command of any client.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from typing_extensions import override
@@ -14,9 +14,8 @@ from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
     GripperSession,
 )
-from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSession
+from station.hw.franka.fci.server.robot_session import ClientFeatures, RobotSession
 from station.hw.franka.fci.server.shared_page import SharedPage
-from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
 from station.hw.franka.hand.hand_services import HandServices
 
 SessionT = TypeVar("SessionT", RobotSession, GripperSession)
@@ -87,9 +86,7 @@ class FciGuest(_Guest[RobotSession]):
     Args:
         arm: The arm.
         page: Shared memory for messages in both directions.
-        model_library: Source of model libraries.
-        protocols: The versions that are spoken.
-        robot_model: The URDF of the arm for clients; empty if there is none.
+        features: The versions that are spoken, and the models of the arm.
         is_commanded: Returns whether the station's controllers command the arm.
         may_move: Returns whether the station lets anybody move the arm.
     """
@@ -98,19 +95,12 @@ class FciGuest(_Guest[RobotSession]):
         self,
         arm: RobotArm,
         page: SharedPage,
-        model_library: ModelLibrary,
-        protocols: Sequence[RobotProtocol] = (PANDA,),
-        robot_model: str = "",
+        features: ClientFeatures,
         *,
         is_commanded: Callable[[], bool],
         may_move: Callable[[], bool],
     ) -> None:
-        super().__init__(
-            page,
-            lambda: RobotSession(
-                arm, model_library, protocols, self._is_free, robot_model
-            ),
-        )
+        super().__init__(page, lambda: RobotSession(arm, features, self._is_free))
         self._arm = arm
         self._is_commanded, self._may_move = is_commanded, may_move
 
@@ -181,32 +171,29 @@ class HandGuest(_Guest[GripperSession]):
             self._put_messages(session, self._cycle, GRIPPER_PERIOD)
 
 
-class GuestReading:
-    """Reads a robot, with the guests of its arm and its hand before and after.
+def with_guests(
+    guest: FciGuest,
+    read: Callable[[float, float], None],
+    wait: Callable[[bool], None],
+    hand: HandGuest | None = None,
+) -> Callable[[float, float], None]:
+    """Return a function that reads a robot, and serves its guests before and after.
 
     Args:
         guest: The guest of the arm.
-        read: Reads the robot.
+        read: Reads the robot; see `RobotHW.read`.
         wait: Sets whether the arm waits for a late loop. The arm must wait while a
             client commands it: in a cycle that is made up for, the client has no state
             to answer.
         hand: The guest of the hand; None without a hand.
     """
 
-    def __init__(
-        self,
-        guest: FciGuest,
-        read: Callable[[float, float], None],
-        wait: Callable[[bool], None],
-        hand: HandGuest | None = None,
-    ) -> None:
-        self._guest, self._hand, self._read, self._wait = guest, hand, read, wait
+    def read_with_guests(time: float, period: float) -> None:
+        guest.before_read()
+        read(time, period)
+        guest.after_read()
+        wait(guest.is_answering)
+        if hand is not None:
+            hand.after_read()
 
-    def read(self, time: float, period: float) -> None:
-        """Read the robot; see `RobotHW.read`."""
-        self._guest.before_read()
-        self._read(time, period)
-        self._guest.after_read()
-        self._wait(self._guest.is_answering)
-        if self._hand is not None:
-            self._hand.after_read()
+    return read_with_guests

@@ -6,7 +6,7 @@ never late, and a client must not lose packets because the server was.
 
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from queue import SimpleQueue
@@ -20,9 +20,9 @@ from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
     GripperSession,
 )
-from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSession
+from station.hw.franka.fci.server.robot_session import ClientFeatures, RobotSession
 from station.hw.franka.fci.wire.gripper_protocol import HAND
-from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
+from station.hw.franka.fci.wire.robot_protocol import PANDA
 from station.hw.franka.hand.hand_services import HandServices
 
 _logger = logging.getLogger(__name__)
@@ -40,12 +40,10 @@ class FciSettings:
         patience: How long the arm's time waits for a command of a moving client beyond
             the end of a cycle, before the command counts as lost [s], >= 0. A real arm
             does not wait.
-        protocols: The versions that are spoken.
     """
 
     host: str = "127.0.0.1"
     patience: float = 0.0
-    protocols: Sequence[RobotProtocol] = (PANDA,)
 
 
 @dataclass(slots=True)
@@ -69,10 +67,9 @@ class FciServer:
     Args:
         arm: The arm; the server calls its `read_once`.
         hand: The hand; None without a hand.
-        settings: Address and protocol.
-        model_library: Source of model libraries.
+        settings: Address and timing.
+        features: The versions that are spoken, and the models of the arm.
         clock: Wall time [s].
-        robot_model: The URDF of the arm for clients; empty if there is none.
 
     Attributes:
         counts: Numbers of cycles and of lost commands so far.
@@ -86,9 +83,8 @@ class FciServer:
         arm: RobotArm,
         hand: HandServices | None,
         settings: FciSettings,
-        model_library: ModelLibrary,
+        features: ClientFeatures,
         clock: Callable[[], float] = time.monotonic,
-        robot_model: str = "",
     ) -> None:
         self._arm, self._hand = arm, hand
         self._settings = settings
@@ -101,9 +97,7 @@ class FciServer:
         self._robot_port = ClientPort(
             "Robot",
             (settings.host, PANDA.port),
-            lambda: RobotSession(
-                arm, model_library, settings.protocols, robot_model=robot_model
-            ),
+            lambda: RobotSession(arm, features),
         )
         self._ports: list[ClientPort[Any]] = [self._robot_port]
         self._gripper_port: ClientPort[GripperSession] | None = None
@@ -178,9 +172,8 @@ class FciServer:
         session, answers = port.session, b""
         counts.cycles += 1
         if session is not None:
-            if session.is_answering:
-                counts.commanded += 1
-                counts.lost += not session.has_command
+            counts.commanded += session.is_answering
+            counts.lost += session.misses_command
             answers = session.before_cycle()
         self._arm.read_once()
         self._message_id += 1
@@ -224,12 +217,8 @@ class FciServer:
 
     def _misses_a_command(self) -> bool:
         session = self._robot_port.session
-        return (
-            session is not None
-            and session.is_answering
-            and not session.has_command
-            and self._arm.state.robot_mode is RobotMode.MOVE
-        )
+        is_moving = self._arm.state.robot_mode is RobotMode.MOVE
+        return session is not None and session.misses_command and is_moving
 
     def _poll(self, timeout: float) -> None:
         serve(self._ports, timeout)

@@ -11,19 +11,16 @@ from station.core.errors import GripperCommandError, InvalidCommandError
 from station.core.franka import GraspRequest
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.fci.server.session import Session
-from station.hw.franka.fci.wire.gripper_protocol import (
-    HAND,
-    GripperStatus,
-    HandCommand,
-)
+from station.hw.franka.fci.wire.gripper_protocol import HAND, HandCommand
 from station.hw.franka.fci.wire.messages import Request
+from station.hw.franka.fci.wire.robot_protocol import Status
 from station.hw.franka.hand.hand_services import HandServices
 
 GRIPPER_PERIOD = 10
 """A state of the hand is sent in every tenth cycle of the arm."""
 _ENDS = {
-    GoalStatus.SUCCEEDED: GripperStatus.SUCCESS,
-    GoalStatus.ABORTED: GripperStatus.UNSUCCESSFUL,
+    GoalStatus.SUCCEEDED: Status.SUCCESS,
+    GoalStatus.ABORTED: Status.UNSUCCESSFUL,
 }
 
 
@@ -55,8 +52,8 @@ class GripperSession(Session[HandCommand]):
             return b""
         last = state.last
         if last is None or last.identifier != self._identifier:
-            return self._end(GripperStatus.ABORTED)  # others have used the hand since
-        return self._end(_ENDS.get(last.status, GripperStatus.ABORTED))
+            return self._end(Status.ABORTED)  # others have used the hand since
+        return self._end(_ENDS.get(last.status, Status.ABORTED))
 
     def state(self, message_id: int) -> bytes:
         """Return the state of the hand as a message.
@@ -84,15 +81,15 @@ class GripperSession(Session[HandCommand]):
     def _serve(self, request: Request[HandCommand]) -> bytes:
         is_stop = request.command is HandCommand.STOP
         if not self._is_free() and not is_stop:
-            return self._say(request, GripperStatus.FAIL)
+            return self._say(request, Status.FAIL)
         try:
             self._begin(request)
         except (GripperCommandError, InvalidCommandError):
-            return self._say(request, GripperStatus.FAIL)
-        answers = self._end(GripperStatus.ABORTED)
+            return self._say(request, Status.FAIL)
+        answers = self._end(Status.ABORTED)
         self._identifier = self._present()
         if is_stop:
-            return answers + self._say(request, GripperStatus.SUCCESS)
+            return answers + self._say(request, Status.SUCCESS)
         self._running = request
         return answers
 
@@ -113,6 +110,6 @@ class GripperSession(Session[HandCommand]):
         command = self._hand.get_state().command
         return None if command is None else command.identifier
 
-    def _end(self, status: GripperStatus) -> bytes:
+    def _end(self, status: Status) -> bytes:
         request, self._running = self._running, None
         return b"" if request is None else self._say(request, status)

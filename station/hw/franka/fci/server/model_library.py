@@ -34,8 +34,8 @@ _ARCHITECTURES = {
     "armv7l": Architecture.ARM,
     "aarch64": Architecture.ARM64,
 }
+_UNKNOWN = -1
 _LONGEST_COMPILATION = 60.0
-_MOMENTS = 10
 
 
 class ModelLibraryError(StationError):
@@ -44,33 +44,15 @@ class ModelLibraryError(StationError):
     code = "fci_model_library"
 
 
-class ModelLibraries:
-    """The model library of one arm, for clients on machines like this one.
-
-    Args:
-        library: The bytes of the library.
-    """
-
-    def __init__(self, library: bytes) -> None:
-        self._library = library
-
-    def __call__(self, architecture: int, system: int) -> bytes | None:
-        """Return the library; None for a machine that it was not compiled for.
-
-        Args:
-            architecture: An `Architecture`.
-            system: A `System`.
-        """
-        own = _ARCHITECTURES.get(platform.machine())
-        fits = system == System.LINUX and sys.platform == "linux"
-        return self._library if fits and architecture == own else None
-
-
-def build_model_library(description: RobotFiles) -> ModelLibraries:
+def build_model_library(description: RobotFiles) -> dict[tuple[int, int], bytes]:
     """Return the model library of an arm, compiled now unless it was before.
 
     Args:
         description: The URDF of a Franka arm.
+
+    Returns:
+        The library by the `Architecture` and the `System` of this machine; nothing for
+        other machines.
 
     Raises:
         ModelLibraryError: There is no C compiler, or it fails.
@@ -80,7 +62,8 @@ def build_model_library(description: RobotFiles) -> ModelLibraries:
     kept = _kept(source)
     if not kept.is_file():
         _compile(source, kept)
-    return ModelLibraries(kept.read_bytes())
+    own = _ARCHITECTURES.get(platform.machine(), _UNKNOWN)
+    return {(own, System.LINUX): kept.read_bytes()} if sys.platform == "linux" else {}
 
 
 def model_source(description: RobotFiles) -> str:
@@ -92,12 +75,11 @@ def model_source(description: RobotFiles) -> str:
     Raises:
         RobotDescriptionError: The URDF does not describe a Franka arm.
     """
-    moments = read_bodies(description)
+    bodies = np.reshape(read_bodies(description), (DOF, -1)).tolist()
     masses: list[float] = []
     centers: list[Sequence[float]] = []
     inertias: list[Sequence[float]] = []
-    for start in range(0, _MOMENTS * DOF, _MOMENTS):
-        mass, *first, xx, yy, zz, xy, xz, yz = moments[start : start + _MOMENTS]
+    for mass, *first, xx, yy, zz, xy, xz, yz in bodies:
         center = np.array(first) / (mass or 1.0)
         second = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         second -= mass * np.outer(center, center)

@@ -24,8 +24,9 @@ no filters of its own, so that only these settings are accepted.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from math import isfinite
-from typing import Any, TypeAlias
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any
 
 from typing_extensions import override
 
@@ -60,15 +61,10 @@ from station.hw.franka.fci.wire.robot_protocol import (
     NO_GENERATOR,
     PANDA,
     Command,
-    LibraryStatus,
-    ModelStatus,
     MoveController,
     MoveGenerator,
-    MoveStatus,
-    RecoveryStatus,
     RobotProtocol,
-    SetterStatus,
-    StopMoveStatus,
+    Status,
 )
 from station.hw.franka.fci.wire.state_numbers import StateNumbers
 
@@ -185,23 +181,35 @@ class StateWriter:
         return message
 
 
-ModelLibrary: TypeAlias = Callable[[int, int], bytes | None]
-"""Returns the model library for an architecture and a system; None if there is none."""
+@dataclass(frozen=True, slots=True)
+class ClientFeatures:
+    """The versions that clients of an arm may speak, and the models that they get.
+
+    Attributes:
+        protocols: The versions, the arm's own last; see `Session`.
+        libraries: Model libraries, by the `Architecture` and the `System` of a client.
+        robot_model: The URDF of the arm; empty if there is none.
+    """
+
+    protocols: Sequence[RobotProtocol] = (PANDA,)
+    libraries: Mapping[tuple[int, int], bytes] = field(default_factory=dict)
+    robot_model: str = ""
+
 
 _ENDS = {
-    RobotMode.REFLEX: MoveStatus.REFLEX_ABORTED,
-    RobotMode.USER_STOPPED: MoveStatus.EMERGENCY_ABORTED,
-    RobotMode.IDLE: MoveStatus.PREEMPTED,
+    RobotMode.REFLEX: Status.REFLEX_ABORTED,
+    RobotMode.USER_STOPPED: Status.EMERGENCY_ABORTED,
+    RobotMode.IDLE: Status.PREEMPTED,
 }
 _RECOVERIES = {
-    RobotMode.IDLE: RecoveryStatus.SUCCESS,
-    RobotMode.REFLEX: RecoveryStatus.REFLEX_ABORTED,
-    RobotMode.USER_STOPPED: RecoveryStatus.EMERGENCY_ABORTED,
+    RobotMode.IDLE: Status.SUCCESS,
+    RobotMode.REFLEX: Status.REFLEX_ABORTED,
+    RobotMode.USER_STOPPED: Status.EMERGENCY_ABORTED,
 }
 _REJECTIONS = {
-    SingularStartError: "START_AT_SINGULAR_POSE_REJECTED",
-    ArmCommandError: "COMMAND_NOT_POSSIBLE_REJECTED",
-    InvalidCommandError: "INVALID_ARGUMENT_REJECTED",
+    SingularStartError: Status.START_AT_SINGULAR_POSE_REJECTED,
+    ArmCommandError: Status.COMMAND_NOT_POSSIBLE_REJECTED,
+    InvalidCommandError: Status.INVALID_ARGUMENT_REJECTED,
 }
 
 
@@ -214,24 +222,19 @@ class RobotSession(Session[Command]):
 
     Args:
         arm: The arm.
-        model_library: Source of model libraries.
-        protocols: The versions that are spoken.
+        features: The versions that are spoken, and the models.
         is_free: Returns whether this client may move the arm.
-        robot_model: The URDF of the arm for clients; empty if there is none.
     """
 
     def __init__(
         self,
         arm: RobotArm,
-        model_library: ModelLibrary = lambda _architecture, _system: None,
-        protocols: Sequence[RobotProtocol] = (PANDA,),
+        features: ClientFeatures,
         is_free: Callable[[], bool] = lambda: True,
-        robot_model: str = "",
     ) -> None:
         self._arm = arm  # whose state `_speak` writes
-        super().__init__(protocols)
-        self._is_free = is_free
-        self._model_library, self._robot_model = model_library, robot_model
+        super().__init__(features.protocols)
+        self._features, self._is_free = features, is_free
         self._motion: Request[Command] | None = None
         self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
         self._recovery: Request[Command] | None = None
@@ -248,9 +251,9 @@ class RobotSession(Session[Command]):
         return self._motion is not None
 
     @property
-    def has_command(self) -> bool:
-        """Return whether a command has arrived since the last cycle."""
-        return self._command is not None
+    def misses_command(self) -> bool:
+        """Return whether the client owes a command that has not arrived yet."""
+        return self.is_answering and self._command is None
 
     @property
     def is_answering(self) -> bool:
@@ -258,8 +261,7 @@ class RobotSession(Session[Command]):
 
         The client does so from its first command on, unless the arm plans the motion.
         """
-        is_begun = self._motion is not None and self._answered > 0
-        return is_begun and self._fastest is None
+        return self._motion is not None and self._answered > 0 and self._fastest is None
 
     def take_reason(self) -> str:
         """Return the reason for the last refusal once; empty if there is none."""
@@ -285,9 +287,7 @@ class RobotSession(Session[Command]):
     def before_cycle(self) -> bytes:
         """Pass the client's newest command on; return answers that became due."""
         command, self._command = self._command, None
-        if command is None or self._motion is None:
-            return b""
-        if self._arm.state.robot_mode is not RobotMode.MOVE:
+        if command is None or self._arm.state.robot_mode is not RobotMode.MOVE:
             return b""
         self._is_finishing = command["motion_generation_finished"] or command.get(
             "torque_command_finished", False
@@ -296,19 +296,17 @@ class RobotSession(Session[Command]):
             self._send(command)
         except InvalidCommandError:
             self._arm.stop_motion()
-            return self._end_motion(MoveStatus.INPUT_ERROR_ABORTED)
+            return self._end_motion(Status.INPUT_ERROR_ABORTED)
         return b""
 
     def after_cycle(self) -> bytes:
         """Return the answers that the new state of the arm makes due."""
-        answers = b""
-        mode = self._arm.state.robot_mode
-        if self._motion is not None:
-            if mode is not RobotMode.MOVE:
-                answers += self._end_motion(_ENDS.get(mode, MoveStatus.ABORTED))
-            elif self._is_finishing:
-                self._arm.stop_motion()
-                answers += self._end_motion(MoveStatus.SUCCESS)
+        answers, mode = b"", self._arm.state.robot_mode
+        if mode is not RobotMode.MOVE:
+            answers = self._end_motion(_ENDS.get(mode, Status.ABORTED))
+        elif self._is_finishing:
+            self._arm.stop_motion()
+            answers = self._end_motion(Status.SUCCESS)
         return answers + self._advance_recovery()
 
     def state(self, message_id: int) -> bytearray:
@@ -321,13 +319,13 @@ class RobotSession(Session[Command]):
 
     def preempt(self) -> bytes:
         """Take the arm away from the client; return the answer that ends its motion."""
-        return self._end_motion(MoveStatus.PREEMPTED)
+        return self._end_motion(Status.PREEMPTED)
 
     def close(self) -> None:
         """End the motion of the departed client."""
         if self._motion is not None:
             self._arm.stop_motion()
-            self._end_motion(MoveStatus.ABORTED)
+            self._end_motion(Status.ABORTED)
 
     @override
     def _serve(self, request: Request[Command]) -> bytes:
@@ -335,9 +333,8 @@ class RobotSession(Session[Command]):
             return self._carry_out(request)
         except (ArmCommandError, InvalidCommandError) as error:
             self._reason = f"{request.command.name} is refused: {error.message}"
-            name = next(n for kind, n in _REJECTIONS.items() if isinstance(error, kind))
-            statuses = self._protocol.exchanges[request.command].statuses
-            return self._say(request, next(s for s in statuses if s.name == name))
+            told = (one for kind, one in _REJECTIONS.items() if isinstance(error, kind))
+            return self._say(request, next(told))
 
     def _carry_out(self, request: Request[Command]) -> bytes:
         """Carry a request out; return the answers that are due.
@@ -346,8 +343,6 @@ class RobotSession(Session[Command]):
             ArmCommandError: The request is not possible now.
             InvalidCommandError: The request is never possible.
         """
-        if request.command in SETTERS:
-            return self._change_setting(request)
         serve = {
             Command.MOVE: self._start_motion,
             Command.STOP_MOVE: self._stop_motion,
@@ -356,7 +351,7 @@ class RobotSession(Session[Command]):
             Command.LOAD_MODEL_LIBRARY: self._load_library,
             Command.GET_ROBOT_MODEL: self._tell_model,
         }
-        return serve[request.command](request)
+        return serve.get(request.command, self._change_setting)(request)
 
     @override
     def _speak(self, protocol: RobotProtocol) -> None:
@@ -382,7 +377,7 @@ class RobotSession(Session[Command]):
         self._motion, self._command, self._fastest = request, None, fastest
         self._answered, self._is_finishing = 0, False
         self._generator, self._controller = 1 + generator, controller
-        return self._say(request, MoveStatus.MOTION_STARTED)
+        return self._say(request, Status.MOTION_STARTED)
 
     def _problem_of(self, values: Mapping[str, Any]) -> str | None:
         """Return the reason why no arm can make such a motion; None if an arm can."""
@@ -393,12 +388,9 @@ class RobotSession(Session[Command]):
         if generator not in self._protocol.generators:
             version = self._protocol.version
             return f"Version {version} has no motion generator mode {generator}."
-        deviations = (
-            *values["maximum_path_deviation"],
-            *values["maximum_goal_pose_deviation"],
-        )
-        if not all(isfinite(value) and value >= 0.0 for value in deviations):
-            return "A deviation is negative or not finite."
+        for name in ("maximum_path_deviation", "maximum_goal_pose_deviation"):
+            if not all(0.0 <= value < inf for value in values[name]):
+                return "A deviation is negative or not finite."
         if not values.get("use_async_motion_generator"):
             return None
         if (
@@ -406,7 +398,7 @@ class RobotSession(Session[Command]):
             or controller == MoveController.EXTERNAL_CONTROLLER
         ):
             return "The arm plans joint positions with a controller of its own alone."
-        if not all(isfinite(one) and one > 0.0 for one in values["maximum_velocity"]):
+        if not all(0.0 < value < inf for value in values["maximum_velocity"]):
             return "A maximum velocity is not above 0 or not finite."
         return None
 
@@ -415,27 +407,26 @@ class RobotSession(Session[Command]):
         mode = self._arm.state.robot_mode
         if self._motion is not None and mode is RobotMode.MOVE:
             self._arm.stop_motion()
-            answers = self._end_motion(MoveStatus.PREEMPTED)
+            answers = self._end_motion(Status.PREEMPTED)
         elif mode is not RobotMode.IDLE:
-            rejected = StopMoveStatus.COMMAND_NOT_POSSIBLE_REJECTED
-            return self._say(request, rejected)
-        return answers + self._say(request, StopMoveStatus.SUCCESS)
+            return self._say(request, Status.COMMAND_NOT_POSSIBLE_REJECTED)
+        return answers + self._say(request, Status.SUCCESS)
 
     def _change_setting(self, request: Request[Command]) -> bytes:
         if self._arm.state.robot_mode is RobotMode.MOVE:
             raise ArmCommandError("The arm moves.")
         SETTERS[request.command](self._arm, request.values)
-        return self._say(request, SetterStatus.SUCCESS)
+        return self._say(request, Status.SUCCESS)
 
     def _cartesian_limit(self, request: Request[Command]) -> bytes:
         """Answer that there are no virtual walls: a simulated arm has none."""
         wall = {"object_frame": IDENTITY}
-        return self._say(request, SetterStatus.SUCCESS, wall)
+        return self._say(request, Status.SUCCESS, wall)
 
     def _recover(self, request: Request[Command]) -> bytes:
         arm = self._arm
         if arm.state.robot_mode is RobotMode.MOVE or self._recovery is not None:
-            return self._say(request, RecoveryStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+            return self._say(request, Status.COMMAND_NOT_POSSIBLE_REJECTED)
         arm.automatic_error_recovery()
         self._recovery = request
         return self._advance_recovery()
@@ -445,22 +436,20 @@ class RobotSession(Session[Command]):
         if request is None or mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
             return b""
         self._recovery = None
-        return self._say(request, _RECOVERIES.get(mode, RecoveryStatus.ABORTED))
+        return self._say(request, _RECOVERIES.get(mode, Status.ABORTED))
 
     def _load_library(self, request: Request[Command]) -> bytes:
-        values = request.values
-        library = self._model_library(values["architecture"], values["system"])
-        if library is None:
-            return self._say(request, LibraryStatus.ERROR)
-        return self._say(request, LibraryStatus.SUCCESS, tail=library)
+        machine = request.values["architecture"], request.values["system"]
+        library = self._features.libraries.get(machine, b"")
+        status = Status.SUCCESS if library else Status.ERROR
+        return self._say(request, status, tail=library)
 
     def _tell_model(self, request: Request[Command]) -> bytes:
-        if not self._robot_model:
-            return self._say(request, ModelStatus.COMMAND_NOT_POSSIBLE_REJECTED)
-        urdf = self._robot_model.encode()
-        return self._say(request, ModelStatus.SUCCESS, tail=urdf)
+        urdf = self._features.robot_model.encode()
+        status = Status.SUCCESS if urdf else Status.COMMAND_NOT_POSSIBLE_REJECTED
+        return self._say(request, status, tail=urdf)
 
-    def _end_motion(self, status: MoveStatus) -> bytes:
+    def _end_motion(self, status: Status) -> bytes:
         request, self._motion = self._motion, None
         self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
         self._command, self._is_finishing = None, False

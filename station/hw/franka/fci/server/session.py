@@ -6,14 +6,13 @@ from typing import Generic
 
 from station.hw.franka.fci.wire.messages import (
     FciProtocolError,
-    FciVersionError,
     Messages,
     Request,
 )
 from station.hw.franka.fci.wire.robot_protocol import (
     CommandT,
-    ConnectStatus,
     FciProtocol,
+    Status,
 )
 
 
@@ -79,9 +78,15 @@ class Session(ABC, Generic[CommandT]):
             if asked == protocol.version:
                 self._speak(protocol)
                 self.udp_port = request.values["udp_port"]
-                return self._say(request, ConnectStatus.SUCCESS, {"version": asked})
+                return self._say(request, Status.SUCCESS, {"version": asked})
         own = self._protocol
-        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
+        status = Status.INCOMPATIBLE_LIBRARY_VERSION
         told = self._say(request, status, {"version": own.version})
-        spoken = [protocol.version for protocol in self._protocols]
-        raise FciVersionError(own.device, asked, spoken, told)
+        *others, last = sorted(protocol.version for protocol in self._protocols)
+        spoken = f"{', '.join(map(str, others))} and {last}" if others else last
+        raise FciProtocolError(
+            f"The client asked for version {asked} of the {own.device}'s protocol; "
+            f"spoken is {spoken}.",
+            remedy="Use a libfranka that speaks this version.",
+            answers=told,
+        )

@@ -4,9 +4,10 @@ Source: libfranka-common@e6aa0fc include/research_interface/gripper/types.h.
 """
 
 from enum import IntEnum
+from functools import partial
 
 from station.hw.franka.fci.wire.robot_protocol import (
-    ConnectStatus,
+    CONNECT_ROW,
     Exchange,
     FciProtocol,
     row,
@@ -27,25 +28,13 @@ class HandCommand(IntEnum):
     STOP = 4
 
 
-class GripperStatus(IntEnum):
-    """Answers to every command of a hand, except `CONNECT`."""
-
-    SUCCESS = 0
-    FAIL = 1
-    UNSUCCESSFUL = 2
-    ABORTED = 3
-
-
+_row = partial(row, statuses="SUCCESS FAIL UNSUCCESSFUL ABORTED")
 _ROWS = {
-    HandCommand.CONNECT: row(
-        "H version udp_port", answer=["H version"], statuses=ConnectStatus
-    ),
-    HandCommand.HOMING: row(statuses=GripperStatus),
-    HandCommand.GRASP: row(
-        "d width epsilon_inner epsilon_outer speed force", statuses=GripperStatus
-    ),
-    HandCommand.MOVE: row("d width speed", statuses=GripperStatus),
-    HandCommand.STOP: row(statuses=GripperStatus),
+    HandCommand.CONNECT: CONNECT_ROW,
+    HandCommand.HOMING: _row(),
+    HandCommand.GRASP: _row("d width epsilon_inner epsilon_outer speed force"),
+    HandCommand.MOVE: _row("d width speed"),
+    HandCommand.STOP: _row(),
 }
 
 HAND = FciProtocol(
@@ -59,7 +48,7 @@ HAND = FciProtocol(
             Structure(request),
             Structure([("status", "H"), *answer]),
             command,
-            tuple(statuses),
+            statuses,
         )
         for command, (request, answer, statuses) in _ROWS.items()
     },

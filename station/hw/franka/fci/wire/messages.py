@@ -1,13 +1,12 @@
 """Convert requests and answers to bytes, and read them from a stream of bytes."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from enum import IntEnum
 from types import MappingProxyType
 from typing import Any, Generic
 
 from station.core.errors import StationError
-from station.hw.franka.fci.wire.robot_protocol import CommandT, FciProtocol
+from station.hw.franka.fci.wire.robot_protocol import CommandT, FciProtocol, Status
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 """The fields of a message without fields."""
@@ -29,29 +28,6 @@ class FciProtocolError(StationError):
         self.answers = answers
 
 
-class FciVersionError(FciProtocolError):
-    """A client asked for a version that is not spoken.
-
-    Args:
-        what: Name of the server.
-        asked: The version that the client asked for.
-        spoken: The versions that are spoken.
-        answers: The answer, which names a version that is spoken.
-    """
-
-    def __init__(
-        self, what: str, asked: int, spoken: Iterable[int], answers: bytes
-    ) -> None:
-        *others, last = map(str, sorted(spoken))
-        versions = f"{', '.join(others)} and {last}" if others else last
-        super().__init__(
-            f"The client asked for version {asked} of the {what}'s protocol; spoken is "
-            f"{versions}.",
-            remedy="Use a libfranka that speaks this version.",
-            answers=answers,
-        )
-
-
 @dataclass(frozen=True, slots=True)
 class Answer(Generic[CommandT]):
     """One answer of a robot or a hand.
@@ -59,15 +35,15 @@ class Answer(Generic[CommandT]):
     Attributes:
         command: The answered command.
         command_id: Number of the request.
-        status: The status, numbered alike in all versions; `UnknownStatus.UNKNOWN` if
-            the version that is spoken does not have it.
+        status: The status; `Status.UNKNOWN` if the version that is spoken does not have
+            its number.
         values: All fields, the status as its number on the wire.
         rest: Bytes behind the fields, e.g. a model library.
     """
 
     command: CommandT
     command_id: int
-    status: IntEnum
+    status: Status
     values: Mapping[str, Any]
     rest: bytes = b""
 
@@ -123,7 +99,7 @@ class Messages(Generic[CommandT]):
     def answer(
         self,
         request: Request[CommandT],
-        status: int,
+        status: Status,
         values: Mapping[str, Any] = NOTHING,
         *,
         tail: bytes = b"",

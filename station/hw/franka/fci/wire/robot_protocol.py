@@ -6,8 +6,8 @@ cycle, and a `RobotCommand` back while a motion runs.
 
 The lists below contain the parts of all versions; `_SPOKEN` has a column per version
 for the parts that some versions lack. The number of a command or a status on the wire
-is its rank among those that the version has. Inside the station each command and status
-has one number for all versions.
+is its rank among those that the version has. Inside the station each command has one
+number for all versions, and each status one name.
 
 Source: libfranka-common include/research_interface/robot/service_types.h, rbk_types.h:
 @e6aa0fc version 5, @5adeec6 version 6, @dd768c8 version 7, @22b0837 version 8, @cd38d0e
@@ -16,7 +16,8 @@ version 9, @d96c221 version 10.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import Enum, IntEnum, auto
+from functools import partial
 from typing import Generic, TypeAlias, TypeVar
 
 from station.hw.franka.fci.wire.structure import Field, Structure, fields
@@ -47,75 +48,27 @@ class Command(IntEnum):
     GET_ROBOT_MODEL = 14
 
 
-class ConnectStatus(IntEnum):
-    """Answers to `CONNECT`."""
+class Status(Enum):
+    """The statuses of all answers; see `Exchange` for their numbers on the wire."""
 
-    SUCCESS = 0
-    INCOMPATIBLE_LIBRARY_VERSION = 1
-
-
-class MoveStatus(IntEnum):
-    """Answers to `MOVE`: `MOTION_STARTED` at the beginning, another one at the end."""
-
-    SUCCESS = 0
-    MOTION_STARTED = 1
-    PREEMPTED = 2
-    PREEMPTED_BY_SAFETY = 100
-    REJECTED_BY_SAFETY = 101
-    COMMAND_NOT_POSSIBLE_REJECTED = 3
-    START_AT_SINGULAR_POSE_REJECTED = 4
-    INVALID_ARGUMENT_REJECTED = 5
-    REFLEX_ABORTED = 6
-    EMERGENCY_ABORTED = 7
-    INPUT_ERROR_ABORTED = 8
-    ABORTED = 9
-
-
-class StopMoveStatus(IntEnum):
-    """Answers to `STOP_MOVE`."""
-
-    SUCCESS = 0
-    COMMAND_NOT_POSSIBLE_REJECTED = 1
-    REJECTED_BY_SAFETY = 101
-    EMERGENCY_ABORTED = 2
-    REFLEX_ABORTED = 3
-    ABORTED = 4
-
-
-class SetterStatus(IntEnum):
-    """Answers to the setters and to `GET_CARTESIAN_LIMIT`."""
-
-    SUCCESS = 0
-    COMMAND_NOT_POSSIBLE_REJECTED = 1
-    INVALID_ARGUMENT_REJECTED = 2
-    REJECTED_BY_SAFETY = 101
-
-
-class RecoveryStatus(IntEnum):
-    """Answers to `AUTOMATIC_ERROR_RECOVERY`."""
-
-    SUCCESS = 0
-    COMMAND_NOT_POSSIBLE_REJECTED = 1
-    REJECTED_BY_SAFETY = 101
-    MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED = 2
-    REFLEX_ABORTED = 3
-    EMERGENCY_ABORTED = 4
-    ABORTED = 5
-
-
-class LibraryStatus(IntEnum):
-    """Answers to `LOAD_MODEL_LIBRARY`."""
-
-    SUCCESS = 0
-    ERROR = 1
-
-
-class ModelStatus(IntEnum):
-    """Answers to `GET_ROBOT_MODEL`."""
-
-    SUCCESS = 0
-    COMMAND_NOT_POSSIBLE_REJECTED = 1
-    REJECTED_BY_SAFETY = 101
+    SUCCESS = auto()
+    INCOMPATIBLE_LIBRARY_VERSION = auto()
+    MOTION_STARTED = auto()
+    PREEMPTED = auto()
+    PREEMPTED_BY_SAFETY = auto()
+    REJECTED_BY_SAFETY = auto()
+    COMMAND_NOT_POSSIBLE_REJECTED = auto()
+    START_AT_SINGULAR_POSE_REJECTED = auto()
+    INVALID_ARGUMENT_REJECTED = auto()
+    MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED = auto()
+    REFLEX_ABORTED = auto()
+    EMERGENCY_ABORTED = auto()
+    INPUT_ERROR_ABORTED = auto()
+    ABORTED = auto()
+    ERROR = auto()
+    FAIL = auto()  # of a hand, as the next one
+    UNSUCCESSFUL = auto()
+    UNKNOWN = auto()  # stands for a number that the version does not have
 
 
 class MoveController(IntEnum):
@@ -167,12 +120,6 @@ MERGED_INTO = "joint_position_limits_violation"
 """The error that newer versions have in place of some others."""
 
 
-class UnknownStatus(IntEnum):
-    """Stands for a status that the version does not have."""
-
-    UNKNOWN = 255
-
-
 @dataclass(frozen=True, slots=True)
 class Exchange:
     """The formats that follow the header in a request and in its answers.
@@ -187,17 +134,17 @@ class Exchange:
     request: Structure
     response: Structure
     number: int
-    statuses: Sequence[IntEnum]
+    statuses: Sequence[Status]
 
-    def status_of(self, number: int) -> IntEnum:
+    def status_of(self, number: int) -> Status:
         """Return the status with a number on the wire.
 
         Args:
             number: The number; one that the version does not have becomes
-                `UnknownStatus.UNKNOWN`.
+                `Status.UNKNOWN`.
         """
         known = self.statuses
-        return known[number] if number < len(known) else UnknownStatus.UNKNOWN
+        return known[number] if number < len(known) else Status.UNKNOWN
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,25 +180,33 @@ class FciProtocol(Generic[CommandT]):
 RobotProtocol: TypeAlias = FciProtocol[Command]
 """One version of the protocol of an arm."""
 
-Row: TypeAlias = tuple[list[Field], list[Field], type[IntEnum]]
+Row: TypeAlias = tuple[list[Field], list[Field], list[Status]]
 """Fields of a request, those of its answer behind the status, and the statuses."""
 
 
-def row(
-    *request: str,
-    answer: Sequence[str] = (),
-    statuses: type[IntEnum] = SetterStatus,
-) -> Row:
+def row(*request: str, answer: Sequence[str] = (), statuses: str) -> Row:
     """Return the row of a command.
 
     Args:
         request: Fields of the request, as `fields` reads them.
         answer: Those of the answer behind the status.
-        statuses: The statuses of an answer.
+        statuses: Names of the statuses of an answer, in the order of their numbers.
     """
-    return fields(*request), fields(*answer), statuses
+    named = [Status[name] for name in statuses.split()]
+    return fields(*request), fields(*answer), named
 
 
+CONNECT_ROW = row(
+    "H version udp_port",
+    answer=["H version"],
+    statuses="SUCCESS INCOMPATIBLE_LIBRARY_VERSION",
+)
+"""The row of the command with which clients of arms and hands begin."""
+_setter = partial(
+    row,
+    statuses="SUCCESS COMMAND_NOT_POSSIBLE_REJECTED INVALID_ARGUMENT_REJECTED "
+    "REJECTED_BY_SAFETY",
+)
 _THRESHOLDS = [
     f"{form} {bound}_{kind}_thresholds_{phase}"
     for form, kind in (("7d", "torque"), ("6d", "force"))
@@ -259,36 +214,46 @@ _THRESHOLDS = [
     for bound in ("lower", "upper")
 ]
 _ROWS = {
-    Command.CONNECT: row(
-        "H version udp_port", answer=["H version"], statuses=ConnectStatus
-    ),
+    Command.CONNECT: CONNECT_ROW,
     Command.MOVE: row(
         "I controller_mode motion_generator_mode",
         "3d maximum_path_deviation maximum_goal_pose_deviation",
         "? use_async_motion_generator",
         "7d maximum_velocity",
-        statuses=MoveStatus,
+        statuses="SUCCESS MOTION_STARTED PREEMPTED PREEMPTED_BY_SAFETY "
+        "REJECTED_BY_SAFETY COMMAND_NOT_POSSIBLE_REJECTED "
+        "START_AT_SINGULAR_POSE_REJECTED INVALID_ARGUMENT_REJECTED REFLEX_ABORTED "
+        "EMERGENCY_ABORTED INPUT_ERROR_ABORTED ABORTED",
     ),
-    Command.STOP_MOVE: row(statuses=StopMoveStatus),
-    Command.GET_CARTESIAN_LIMIT: row(
+    Command.STOP_MOVE: row(
+        statuses="SUCCESS COMMAND_NOT_POSSIBLE_REJECTED REJECTED_BY_SAFETY "
+        "EMERGENCY_ABORTED REFLEX_ABORTED ABORTED"
+    ),
+    Command.GET_CARTESIAN_LIMIT: _setter(
         "i id",
         answer=["3d object_world_size", "16d object_frame", "? object_activation"],
     ),
-    Command.SET_COLLISION_BEHAVIOR: row(*_THRESHOLDS),
-    Command.SET_JOINT_IMPEDANCE: row("7d K_theta"),
-    Command.SET_CARTESIAN_IMPEDANCE: row("6d K_x"),
-    Command.SET_GUIDING_MODE: row("6? guiding_mode", "? nullspace"),
-    Command.SET_EE_TO_K: row("16d EE_T_K"),
-    Command.SET_NE_TO_EE: row("16d NE_T_EE"),
-    Command.SET_LOAD: row("d m_load", "3d F_x_Cload", "9d I_load"),
-    Command.SET_FILTERS: row(
+    Command.SET_COLLISION_BEHAVIOR: _setter(*_THRESHOLDS),
+    Command.SET_JOINT_IMPEDANCE: _setter("7d K_theta"),
+    Command.SET_CARTESIAN_IMPEDANCE: _setter("6d K_x"),
+    Command.SET_GUIDING_MODE: _setter("6? guiding_mode", "? nullspace"),
+    Command.SET_EE_TO_K: _setter("16d EE_T_K"),
+    Command.SET_NE_TO_EE: _setter("16d NE_T_EE"),
+    Command.SET_LOAD: _setter("d m_load", "3d F_x_Cload", "9d I_load"),
+    Command.SET_FILTERS: _setter(
         "d joint_position_filter_frequency joint_velocity_filter_frequency",
         "d cartesian_position_filter_frequency cartesian_velocity_filter_frequency",
         "d controller_filter_frequency",
     ),
-    Command.AUTOMATIC_ERROR_RECOVERY: row(statuses=RecoveryStatus),
-    Command.LOAD_MODEL_LIBRARY: row("B architecture system", statuses=LibraryStatus),
-    Command.GET_ROBOT_MODEL: row(statuses=ModelStatus),
+    Command.AUTOMATIC_ERROR_RECOVERY: row(
+        statuses="SUCCESS COMMAND_NOT_POSSIBLE_REJECTED REJECTED_BY_SAFETY "
+        "MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED REFLEX_ABORTED EMERGENCY_ABORTED "
+        "ABORTED"
+    ),
+    Command.LOAD_MODEL_LIBRARY: row("B architecture system", statuses="SUCCESS ERROR"),
+    Command.GET_ROBOT_MODEL: row(
+        statuses="SUCCESS COMMAND_NOT_POSSIBLE_REJECTED REJECTED_BY_SAFETY"
+    ),
 }
 
 _STATE = fields(

@@ -21,9 +21,10 @@ from station.hw.franka.fci.desk.desk_server import (
 from station.hw.franka.fci.desk.desk_state import Desk, profile_of
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
-from station.hw.franka.fci.wire.robot_protocol import PANDA, Command, MoveStatus
+from station.hw.franka.fci.server.robot_session import ClientFeatures
+from station.hw.franka.fci.wire.robot_protocol import PANDA, Command, Status
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
-from tests.hw.franka.fci.server.robot_client import answers, request
+from tests.hw.franka.fci.server.robot_client import request, statuses
 from tests.waiting import PATIENCE
 
 HOST = f"127.19.{os.getpid() // 250 % 250}.{os.getpid() % 250 + 1}"
@@ -80,7 +81,7 @@ class Served:
     def __init__(self):
         files = load_robot_files("example-robot-data:panda")
         self.arm = simulate([ArmPlacement("panda", files)]).arms["panda"]
-        self.server = FciServer(self.arm, None, FciSettings(HOST), lambda *_: None)
+        self.server = FciServer(self.arm, None, FciSettings(HOST), ClientFeatures())
         self.desk = Desk(self.server, self.arm, None, "panda")
         self.desk.reboot()
 
@@ -97,8 +98,8 @@ class Served:
     def ask(self, client, command, values):
         client.sendall(request(command, 1, values))
         self.run(5)
-        (found,) = answers(client.recv(4096))
-        return found[2]["status"]
+        (found,) = statuses(client.recv(4096))
+        return found
 
 
 @pytest.fixture
@@ -130,15 +131,14 @@ def test_closed_brakes_refuse_motions_and_end_them(served):
     assert served.arm.state.robot_mode is RobotMode.OTHER
     with served.connect() as client:
         refused = served.ask(client, Command.MOVE, move)
-        assert refused == MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED
+        assert refused == Status.COMMAND_NOT_POSSIBLE_REJECTED
         served.desk.set_brakes(closed=False)
         served.run()
         assert served.arm.state.robot_mode is RobotMode.IDLE
-        assert served.ask(client, Command.MOVE, move) == MoveStatus.MOTION_STARTED
+        assert served.ask(client, Command.MOVE, move) == Status.MOTION_STARTED
         served.desk.set_brakes(closed=True)
         served.run()
-        (ended,) = answers(client.recv(4096))
-        assert ended[2]["status"] == MoveStatus.ABORTED
+        assert statuses(client.recv(4096)) == [Status.ABORTED]
     assert served.arm.state.robot_mode is RobotMode.OTHER
 
 

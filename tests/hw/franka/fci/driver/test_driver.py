@@ -21,8 +21,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     PANDA,
     Command,
-    MoveStatus,
-    SetterStatus,
+    Status,
 )
 from tests.hw.franka.fci.stepped_network import SteppedNetwork
 from tests.hw.franka.plain_model import PlainModel
@@ -50,7 +49,10 @@ def answering(monkeypatch, network, command, status):
         head = HEADER.unpack(data[: HEADER.size])
         if head["command"] != command:
             return serve(data)
-        body = PANDA.exchanges[command].response.pack({"status": status})
+        exchange = PANDA.exchanges[command]
+        known = isinstance(status, Status)
+        number = exchange.statuses.index(status) if known else status
+        body = exchange.response.pack({"status": number})
         return HEADER.pack({**head, "size": HEADER.size + len(body)}) + body
 
     monkeypatch.setattr(network.session, "receive", receive)
@@ -60,12 +62,12 @@ def answering(monkeypatch, network, command, status):
     ("status", "words"),
     [
         (
-            MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED,
+            Status.COMMAND_NOT_POSSIBLE_REJECTED,
             r'Move command rejected: command not possible in the current mode \("Idle"',
         ),
-        (MoveStatus.START_AT_SINGULAR_POSE_REJECTED, "cannot start at singular pose!"),
-        (MoveStatus.INVALID_ARGUMENT_REJECTED, "maximum path deviation out of range!"),
-        (MoveStatus.EMERGENCY_ABORTED, "Move command aborted: User Stop pressed!"),
+        (Status.START_AT_SINGULAR_POSE_REJECTED, "cannot start at singular pose!"),
+        (Status.INVALID_ARGUMENT_REJECTED, "maximum path deviation out of range!"),
+        (Status.EMERGENCY_ABORTED, "Move command aborted: User Stop pressed!"),
         (77, "Unexpected response while handling Move command!"),
     ],
 )
@@ -83,12 +85,12 @@ def test_refused_motion_is_told_in_libfrankas_words(
     ("status", "error", "words"),
     [
         (
-            SetterStatus.INVALID_ARGUMENT_REJECTED,
+            Status.INVALID_ARGUMENT_REJECTED,
             InvalidCommandError,
             "Set Joint Impedance command rejected: invalid argument!",
         ),
         (
-            SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED,
+            Status.COMMAND_NOT_POSSIBLE_REJECTED,
             ArmCommandError,
             "Set Joint Impedance command rejected: command not possible",
         ),

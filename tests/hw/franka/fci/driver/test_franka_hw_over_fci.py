@@ -21,7 +21,7 @@ from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.fci.driver.fci_client import IncompatibleVersionError
 from station.hw.franka.fci.driver.network import FciNetworkError
 from station.hw.franka.fci.wire.gripper_protocol import HAND
-from station.hw.franka.fci.wire.robot_protocol import PROTOCOLS, Command, MoveStatus
+from station.hw.franka.fci.wire.robot_protocol import PROTOCOLS, Command, Status
 from station.hw.franka.franka_combined_hw import FrankaCombinedHW
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.simulated.arm_model import ArmModel
@@ -162,7 +162,7 @@ def test_motion_that_the_arm_refuses_fails_the_switch_and_not_the_loop(
 ):
     hw = make()
     answering(
-        monkeypatch, network, Command.MOVE, MoveStatus.START_AT_SINGULAR_POSE_REJECTED
+        monkeypatch, network, Command.MOVE, Status.START_AT_SINGULAR_POSE_REJECTED
     )
     switch(hw, "jp")
     assert hw.switch_result() is SwitchState.ERROR

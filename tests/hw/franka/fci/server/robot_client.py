@@ -1,6 +1,8 @@
 """The client's side of the protocol for one session, without sockets."""
 
-from station.hw.franka.fci.server.robot_session import RobotSession
+from types import MappingProxyType
+
+from station.hw.franka.fci.server.robot_session import ClientFeatures, RobotSession
 from station.hw.franka.fci.wire.messages import Messages
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
@@ -24,24 +26,26 @@ def answers(data, protocol=PANDA):
     return [(one.command, one.command_id, one.values) for one in found]
 
 
+def statuses(data, protocol=PANDA):
+    """Return the status of every answer in some bytes."""
+    return [one.status for one in Messages(protocol).answers(data)]
+
+
 class RobotClient:
     """Talks to a session as libfranka does, one cycle after the other.
 
     Args:
         arm: The arm behind the session.
-        model_library: Where libraries come from.
+        libraries: The model libraries.
         version: The version that is spoken.
         robot_model: The URDF of the arm.
     """
 
-    def __init__(
-        self, arm, model_library=lambda _a, _s: None, version=5, robot_model=""
-    ):
+    def __init__(self, arm, libraries=MappingProxyType({}), version=5, robot_model=""):
         self.arm = arm
         self.protocol = PROTOCOLS[version]
-        self.session = RobotSession(
-            arm, model_library, [self.protocol], robot_model=robot_model
-        )
+        features = ClientFeatures([self.protocol], libraries, robot_model)
+        self.session = RobotSession(arm, features)
         self.ids = 0
         self.messages = 0
         self.received = []
@@ -50,9 +54,12 @@ class RobotClient:
         """Send a request; return the statuses of the answers that come at once."""
         self.ids += 1
         data = request(command, self.ids, values, self.protocol)
-        found = answers(self.session.receive(data), self.protocol)
-        self.received += found
-        return [fields["status"] for _, _, fields in found]
+        return self.hear(self.session.receive(data))
+
+    def hear(self, data):
+        """Note answers; return their statuses."""
+        self.received += answers(data, self.protocol)
+        return statuses(data, self.protocol)
 
     def connect(self, version=None):
         version = self.protocol.version if version is None else version
@@ -86,7 +93,5 @@ class RobotClient:
         self.arm.read_once()
         data += self.session.after_cycle()
         self.messages += 1
-        found = answers(data, self.protocol)
-        self.received += found
         state = self.protocol.state.unpack(self.session.state(self.messages))
-        return state, [fields["status"] for _, _, fields in found]
+        return state, self.hear(data)

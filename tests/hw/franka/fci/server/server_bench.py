@@ -8,6 +8,7 @@ import os
 import socket
 
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
+from station.hw.franka.fci.server.robot_session import ClientFeatures
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,
@@ -29,7 +30,7 @@ class Bench:
     def __init__(self, patience=0.0):
         self.arm = ScriptedArm()
         self.server = FciServer(
-            self.arm, None, FciSettings(HOST, patience), lambda _a, _s: None
+            self.arm, None, FciSettings(HOST, patience), ClientFeatures()
         )
         self.sockets = []
 

@@ -5,7 +5,7 @@ from math import nan
 import pytest
 
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.fci.wire.robot_protocol import Command, SetterStatus
+from station.hw.franka.fci.wire.robot_protocol import Command, Status
 
 GOOD = {
     Command.SET_COLLISION_BEHAVIOR: {
@@ -47,10 +47,10 @@ BAD = {
 def test_setter_succeeds_refuses_bad_values_and_waits_for_the_end_of_a_motion(
     client, command
 ):
-    assert client.ask(command, **GOOD[command]) == [SetterStatus.SUCCESS]
+    assert client.ask(command, **GOOD[command]) == [Status.SUCCESS]
     bad = client.ask(command, **BAD[command])
-    assert bad == [SetterStatus.INVALID_ARGUMENT_REJECTED]
+    assert bad == [Status.INVALID_ARGUMENT_REJECTED]
     client.move()
     client.cycle()
     during = client.ask(command, **GOOD[command])
-    assert during == [SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED]
+    assert during == [Status.COMMAND_NOT_POSSIBLE_REJECTED]

@@ -6,14 +6,15 @@ from station.core.errors import ArmCommandError, SwitchRefusedError
 from station.core.franka import GripperServicesInterface, RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.fci.driver.fci_arm import FciArm
-from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
+from station.hw.franka.fci.server.fci_guest import FciGuest, HandGuest, with_guests
+from station.hw.franka.fci.server.robot_session import ClientFeatures
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.gripper_protocol import (
     GRIPPER_HEADER,
     HAND,
-    GripperStatus,
     HandCommand,
 )
+from station.hw.franka.fci.wire.robot_protocol import Status
 from tests.hw.franka.plain_model import PlainModel
 from tests.hw.franka.test_franka_hw import PERIOD, controllers, make, switch
 
@@ -35,12 +36,12 @@ class BesideNetwork:
         self.guest = self.hw.guest = FciGuest(
             self.hw.arm,
             SharedPage(memory),
-            lambda _architecture, _system: None,
+            ClientFeatures(),
             is_commanded=lambda: self.hw.is_commanded,
             may_move=lambda: self.may_move,
         )
         self.waits = []
-        self._reading = GuestReading(self.guest, self.hw.read, self.waits.append)
+        self.read = with_guests(self.guest, self.hw.read, self.waits.append)
         self._answers = bytearray()
         self.guest.open()
 
@@ -56,7 +57,7 @@ class BesideNetwork:
         self.page.put_command(bytes(data))
 
     def wait(self, buffer):
-        self._reading.read(0.0, PERIOD)
+        self.read(0.0, PERIOD)
         self.hw.write(0.0, PERIOD)
         state = self.page.take_state()
         if state is None:
@@ -212,7 +213,8 @@ def statuses(command, data):
     response = HAND.exchanges[command].response
     step = GRIPPER_HEADER.size + response.size
     parts = [data[i + 10 : i + step] for i in range(0, len(data), step)]
-    return [response.unpack(part)["status"] for part in parts]
+    exchange = HAND.exchanges[command]
+    return [exchange.status_of(response.unpack(part)["status"]) for part in parts]
 
 
 @pytest.fixture
@@ -224,9 +226,9 @@ def hand(network):
         SharedPage(memory),
         may_move=lambda: network.may_move,
     )
-    network._reading = GuestReading(network.guest, network.hw.read, bool, guest)
+    network.read = with_guests(network.guest, network.hw.read, bool, guest)
     guest.open()
-    assert ask(guest, HandCommand.CONNECT, version=3, udp_port=1) == [0]
+    assert ask(guest, HandCommand.CONNECT, version=3, udp_port=1) == [Status.SUCCESS]
     return guest, SharedPage(memory)
 
 
@@ -241,7 +243,7 @@ def test_client_moves_the_hand_beside_the_controllers(network, client, hand):
         state = page.take_state()
         states += state is not None
         width = HAND.state.unpack(state)["width"] if state is not None else 0.0
-    assert statuses(HandCommand.MOVE, answers) == [GripperStatus.SUCCESS]
+    assert statuses(HandCommand.MOVE, answers) == [Status.SUCCESS]
     assert states == 30
     assert width == pytest.approx(0.06, abs=1e-3)
 
@@ -253,8 +255,8 @@ def test_hand_of_a_stopped_station_is_refused(network, client, hand):
     hand_of(network.hw).interrupt("The station was stopped.")
     client.read_once()
     aborted = statuses(HandCommand.MOVE, page.take_answers())
-    assert aborted == [GripperStatus.ABORTED]
-    fail = [GripperStatus.FAIL]
+    assert aborted == [Status.ABORTED]
+    fail = [Status.FAIL]
     assert ask(guest, HandCommand.MOVE, width=0.05, speed=0.1) == fail
 
 

@@ -19,7 +19,7 @@ from station.core.description.robot_files import load_robot_files
 from station.core.franka import RobotMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
-from station.hw.franka.fci.server.robot_session import RobotSession
+from station.hw.franka.fci.server.robot_session import ClientFeatures, RobotSession
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
@@ -55,6 +55,11 @@ FRAMES = int(os.environ.get("FUZZED_FRAMES", "5000"))
 """Frames of each version in the long run."""
 
 
+def features_of(protocol):
+    """Return one version, with a library for the machines of some clients."""
+    return ClientFeatures([protocol], {(0, 0): b"library"}, "<robot/>")
+
+
 class Sockets:
     """A server whose clients come over the network, in the thread of the test.
 
@@ -70,10 +75,9 @@ class Sockets:
         self.server = FciServer(
             arm,
             None,
-            FciSettings(HOST, protocols=[protocol]),
-            lambda _architecture, _system: b"library",
+            FciSettings(HOST),
+            features_of(protocol),
             lambda: float(next(seconds)),
-            robot_model="<robot/>",
         )
         self.udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.udp.bind(("0.0.0.0", 0))
@@ -175,12 +179,7 @@ class Session:
 
     def connect(self):
         self.close()
-        self.session = RobotSession(
-            self.arm,
-            lambda _architecture, _system: b"library",
-            [self.protocol],
-            robot_model="<robot/>",
-        )
+        self.session = RobotSession(self.arm, features_of(self.protocol))
         return self.session.receive(connection(self.protocol, 4711))
 
     def send(self, data):

@@ -7,10 +7,10 @@ from station.hw.franka.fci.server.gripper_session import GripperSession
 from station.hw.franka.fci.wire.gripper_protocol import (
     GRIPPER_HEADER,
     HAND,
-    GripperStatus,
     HandCommand,
 )
-from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
+from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.robot_protocol import Status
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 
@@ -36,9 +36,10 @@ class GripperClient:
         found = []
         while data:
             head = GRIPPER_HEADER.unpack(data[:10])
-            response = HAND.exchanges[HandCommand(head["command"])].response
+            exchange = HAND.exchanges[HandCommand(head["command"])]
             body, data = data[10 : head["size"]], data[head["size"] :]
-            found.append((head["command_id"], response.unpack(body)["status"]))
+            status = exchange.status_of(exchange.response.unpack(body)["status"])
+            found.append((head["command_id"], status))
         return found
 
     def run(self, cycles):
@@ -57,7 +58,7 @@ class GripperClient:
 @pytest.fixture
 def client():
     made = GripperClient()
-    assert made.ask(HandCommand.CONNECT, version=3, udp_port=1) == [(1, 0)]
+    assert made.ask(HandCommand.CONNECT, version=3, udp_port=1) == [(1, Status.SUCCESS)]
     return made
 
 
@@ -70,27 +71,27 @@ def test_state_tells_the_width(client):
 
 def test_move_is_answered_when_it_has_arrived(client):
     assert client.ask(HandCommand.MOVE, width=0.06, speed=0.2) == []
-    assert client.run(400) == [(2, GripperStatus.SUCCESS)]
+    assert client.run(400) == [(2, Status.SUCCESS)]
     assert client.state()["width"] == pytest.approx(0.06, abs=1e-3)
 
 
 def test_grasp_of_air_is_unsuccessful(client):
     values = {"width": 0.03, "epsilon_inner": 0.005, "epsilon_outer": 0.005}
     assert client.ask(HandCommand.GRASP, speed=0.4, force=20.0, **values) == []
-    assert client.run(600) == [(2, GripperStatus.UNSUCCESSFUL)]
+    assert client.run(600) == [(2, Status.UNSUCCESSFUL)]
 
 
 def test_impossible_width_fails_at_once(client):
     failed = client.ask(HandCommand.MOVE, width=0.2, speed=0.1)
-    assert failed == [(2, GripperStatus.FAIL)]
+    assert failed == [(2, Status.FAIL)]
 
 
 def test_stop_aborts_the_motion_that_runs(client):
     client.ask(HandCommand.HOMING)
     client.run(20)
     assert client.ask(HandCommand.STOP) == [
-        (2, GripperStatus.ABORTED),
-        (3, GripperStatus.SUCCESS),
+        (2, Status.ABORTED),
+        (3, Status.SUCCESS),
     ]
     assert client.run(50) == []
 
@@ -98,10 +99,12 @@ def test_stop_aborts_the_motion_that_runs(client):
 def test_wrong_version_is_not_connected():
     client = GripperClient()
     with pytest.raises(
-        FciVersionError, match="asked for version 2 of the hand"
+        FciProtocolError, match="asked for version 2 of the hand"
     ) as caught:
         client.ask(HandCommand.CONNECT, version=2, udp_port=1)
-    assert client.read(caught.value.answers) == [(1, 1)]
+    assert client.read(caught.value.answers) == [
+        (1, Status.INCOMPATIBLE_LIBRARY_VERSION)
+    ]
     with pytest.raises(FciProtocolError, match="before it had connected"):
         client.ask(HandCommand.HOMING)
 
@@ -123,7 +126,7 @@ def test_command_of_somebody_else_aborts_the_clients_and_is_not_taken_for_it(cli
     client.ask(HandCommand.MOVE, width=0.0, speed=0.05)
     client.run(50)
     client.hand.move(0.07, 0.4)
-    assert client.run(1) == [(2, GripperStatus.ABORTED)]
+    assert client.run(1) == [(2, Status.ABORTED)]
     client.session.close()  # the fingers belong to somebody else
     client.run(300)
     assert client.state()["width"] == pytest.approx(0.07, abs=1e-3)
@@ -134,5 +137,5 @@ def test_client_that_may_not_move_the_fingers_can_stop_them():
     client.session = GripperSession(client.hand, is_free=lambda: False)
     client.ask(HandCommand.CONNECT, version=3, udp_port=1)
     refused = client.ask(HandCommand.MOVE, width=0.05, speed=0.1)
-    assert refused == [(2, GripperStatus.FAIL)]
-    assert client.ask(HandCommand.STOP) == [(3, GripperStatus.SUCCESS)]
+    assert refused == [(2, Status.FAIL)]
+    assert client.ask(HandCommand.STOP) == [(3, Status.SUCCESS)]

@@ -10,10 +10,9 @@ from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     Command,
-    ModelStatus,
     MoveController,
     MoveGenerator,
-    MoveStatus,
+    Status,
 )
 from tests.hw.franka.fci.server.robot_client import RobotClient, request
 from tests.hw.franka.scripted_arm import ScriptedArm
@@ -26,14 +25,9 @@ ASYNC = {"use_async_motion_generator": True, "maximum_velocity": FASTEST}
 def connected(version, robot_model=""):
     """Return a client of a version that has seen a state."""
     client = RobotClient(ScriptedArm(), version=version, robot_model=robot_model)
-    assert client.connect() == [0]
+    assert client.connect() == [Status.SUCCESS]
     client.cycle()
     return client
-
-
-def status(client, name):
-    """Return the number of a status of MOVE in the version of a client."""
-    return client.protocol.exchanges[Command.MOVE].statuses.index(MoveStatus[name])
 
 
 @pytest.fixture
@@ -44,7 +38,7 @@ def client():
 @pytest.fixture
 def planning(client):
     """A client whose asynchronous motion has begun."""
-    assert client.move(**ASYNC) == [status(client, "MOTION_STARTED")]
+    assert client.move(**ASYNC) == [Status.MOTION_STARTED]
     client.cycle()
     return client
 
@@ -58,7 +52,7 @@ def test_model_is_a_urdf_behind_its_status(version, number):
 
 
 def test_an_arm_without_a_model_says_so(client):
-    refused = [ModelStatus.COMMAND_NOT_POSSIBLE_REJECTED]
+    refused = [Status.COMMAND_NOT_POSSIBLE_REJECTED]
     assert client.ask(Command.GET_ROBOT_MODEL) == refused
 
 
@@ -102,7 +96,7 @@ def test_last_command_has_no_target(planning):
     planning.cycle()
     planning.send(q_c=[0.0] * 7, motion_generation_finished=True)
     state, statuses = planning.cycle()
-    assert statuses == [status(planning, "SUCCESS")]
+    assert statuses == [Status.SUCCESS]
     assert planning.arm.sent == [TARGET]
     assert state["robot_mode"] == RobotMode.IDLE.value
     assert (state["motion_generator_mode"], state["controller_mode"]) == (0, 3)
@@ -117,7 +111,7 @@ def test_last_command_has_no_target(planning):
 
 def test_target_that_is_not_finite_ends_the_motion(planning):
     planning.send(q_c=[nan] * 7)
-    assert planning.cycle()[1] == [status(planning, "INPUT_ERROR_ABORTED")]
+    assert planning.cycle()[1] == [Status.INPUT_ERROR_ABORTED]
 
 
 @pytest.mark.parametrize(
@@ -131,7 +125,7 @@ def test_target_that_is_not_finite_ends_the_motion(planning):
     ],
 )
 def test_impossible_asynchronous_motion_is_rejected(client, wrong):
-    assert client.move(**ASYNC | wrong) == [status(client, "INVALID_ARGUMENT_REJECTED")]
+    assert client.move(**ASYNC | wrong) == [Status.INVALID_ARGUMENT_REJECTED]
     assert client.arm.state.robot_mode is RobotMode.IDLE
 
 
@@ -144,7 +138,7 @@ def test_torques_alone_show_their_modes_and_end_by_their_own_byte(version):
     client.send(tau_J_d=[1.0] * 7)
     client.cycle()
     client.send(tau_J_d=[0.5] * 7, torque_command_finished=True)
-    assert client.cycle()[1] == [status(client, "SUCCESS")]
+    assert client.cycle()[1] == [Status.SUCCESS]
     assert client.arm.sent == [[1.0] * 7, [0.5] * 7]
 
 

@@ -3,7 +3,12 @@
 import pytest
 
 from station.hw.franka.fci.wire.messages import FciProtocolError, Messages
-from station.hw.franka.fci.wire.robot_protocol import HEADER, PANDA, Command
+from station.hw.franka.fci.wire.robot_protocol import (
+    HEADER,
+    PANDA,
+    Command,
+    Status,
+)
 
 
 @pytest.fixture
@@ -21,8 +26,8 @@ def test_answers_come_out_whole_however_they_are_cut(messages):
     stream = answer(Command.MOVE, 3, 1) + answer(Command.STOP_MOVE, 4, 0)
     found = [one for byte in stream for one in messages.answers(bytes([byte]))]
     assert [(one.command, one.command_id, one.status) for one in found] == [
-        (Command.MOVE, 3, 1),
-        (Command.STOP_MOVE, 4, 0),
+        (Command.MOVE, 3, Status.MOTION_STARTED),
+        (Command.STOP_MOVE, 4, Status.SUCCESS),
     ]
 
 

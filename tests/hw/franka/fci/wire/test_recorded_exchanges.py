@@ -12,13 +12,7 @@ from station.hw.franka.fci.wire.messages import Messages, Request
 from station.hw.franka.fci.wire.robot_protocol import (
     PROTOCOLS,
     Command,
-    ConnectStatus,
-    LibraryStatus,
-    ModelStatus,
-    MoveStatus,
-    RecoveryStatus,
-    SetterStatus,
-    StopMoveStatus,
+    Status,
 )
 
 FOLDER = Path(__file__).parent
@@ -44,13 +38,13 @@ REQUESTS = {
     Command.LOAD_MODEL_LIBRARY: {"architecture": 3, "system": 1},
 }
 STATUSES = {
-    Command.CONNECT: [ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION],
-    Command.MOVE: [MoveStatus.MOTION_STARTED, MoveStatus.ABORTED],
-    Command.STOP_MOVE: [StopMoveStatus.ABORTED],
-    Command.GET_CARTESIAN_LIMIT: [SetterStatus.SUCCESS],
-    Command.AUTOMATIC_ERROR_RECOVERY: [RecoveryStatus.ABORTED],
-    Command.LOAD_MODEL_LIBRARY: [LibraryStatus.SUCCESS],
-    Command.GET_ROBOT_MODEL: [ModelStatus.SUCCESS],
+    Command.CONNECT: [Status.INCOMPATIBLE_LIBRARY_VERSION],
+    Command.MOVE: [Status.MOTION_STARTED, Status.ABORTED],
+    Command.STOP_MOVE: [Status.ABORTED],
+    Command.GET_CARTESIAN_LIMIT: [Status.SUCCESS],
+    Command.AUTOMATIC_ERROR_RECOVERY: [Status.ABORTED],
+    Command.LOAD_MODEL_LIBRARY: [Status.SUCCESS],
+    Command.GET_ROBOT_MODEL: [Status.SUCCESS],
 }
 TAILS = {Command.LOAD_MODEL_LIBRARY: b"\x7fELF", Command.GET_ROBOT_MODEL: b"<robot/>"}
 
@@ -123,7 +117,7 @@ def test_answers_are_read_and_written_to_the_same_bytes(protocol, parts):
         written += messages.answer(request, one.status, one.values, tail=one.rest)
     assert written == parts[1]
     told = [(one.command, one.status) for one in found]
-    wrong = [SetterStatus.INVALID_ARGUMENT_REJECTED]
+    wrong = [Status.INVALID_ARGUMENT_REJECTED]
     assert told == [
         (command, status)
         for command in protocol.exchanges

@@ -12,15 +12,8 @@ from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     PROTOCOLS,
     Command,
-    ConnectStatus,
-    LibraryStatus,
-    ModelStatus,
     MoveGenerator,
-    MoveStatus,
-    RecoveryStatus,
-    SetterStatus,
-    StopMoveStatus,
-    UnknownStatus,
+    Status,
 )
 from tests.hw.franka.fci.wire.drawn_values import values_of
 
@@ -140,12 +133,6 @@ def test_requests_and_answers_have_the_numbers_and_sizes_of_the_headers(protocol
 
 
 def test_numbers_are_those_of_the_header_file():
-    assert ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION == 1
-    assert (MoveStatus.PREEMPTED, MoveStatus.REFLEX_ABORTED, MoveStatus.ABORTED) == (
-        2,
-        6,
-        9,
-    )
     assert [p.version for p in PROTOCOLS.values()] == [*PROTOCOLS]
     assert [*PROTOCOLS] == [5, 6, 7, 8, 9, 10]
     assert PANDA.port == 1337
@@ -154,37 +141,37 @@ def test_numbers_are_those_of_the_header_file():
 
 
 STATUSES_OF_FR3 = {
-    (Command.MOVE, MoveStatus.MOTION_STARTED): 1,
-    (Command.MOVE, MoveStatus.PREEMPTED): 2,
-    (Command.MOVE, MoveStatus.PREEMPTED_BY_SAFETY): 3,
-    (Command.MOVE, MoveStatus.REJECTED_BY_SAFETY): 4,
-    (Command.MOVE, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED): 5,
-    (Command.MOVE, MoveStatus.START_AT_SINGULAR_POSE_REJECTED): 6,
-    (Command.MOVE, MoveStatus.INVALID_ARGUMENT_REJECTED): 7,
-    (Command.MOVE, MoveStatus.REFLEX_ABORTED): 8,
-    (Command.MOVE, MoveStatus.EMERGENCY_ABORTED): 9,
-    (Command.MOVE, MoveStatus.INPUT_ERROR_ABORTED): 10,
-    (Command.MOVE, MoveStatus.ABORTED): 11,
-    (Command.STOP_MOVE, StopMoveStatus.COMMAND_NOT_POSSIBLE_REJECTED): 1,
-    (Command.STOP_MOVE, StopMoveStatus.REJECTED_BY_SAFETY): 2,
-    (Command.STOP_MOVE, StopMoveStatus.EMERGENCY_ABORTED): 3,
-    (Command.STOP_MOVE, StopMoveStatus.REFLEX_ABORTED): 4,
-    (Command.STOP_MOVE, StopMoveStatus.ABORTED): 5,
-    (Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.REJECTED_BY_SAFETY): 2,
+    (Command.MOVE, Status.MOTION_STARTED): 1,
+    (Command.MOVE, Status.PREEMPTED): 2,
+    (Command.MOVE, Status.PREEMPTED_BY_SAFETY): 3,
+    (Command.MOVE, Status.REJECTED_BY_SAFETY): 4,
+    (Command.MOVE, Status.COMMAND_NOT_POSSIBLE_REJECTED): 5,
+    (Command.MOVE, Status.START_AT_SINGULAR_POSE_REJECTED): 6,
+    (Command.MOVE, Status.INVALID_ARGUMENT_REJECTED): 7,
+    (Command.MOVE, Status.REFLEX_ABORTED): 8,
+    (Command.MOVE, Status.EMERGENCY_ABORTED): 9,
+    (Command.MOVE, Status.INPUT_ERROR_ABORTED): 10,
+    (Command.MOVE, Status.ABORTED): 11,
+    (Command.STOP_MOVE, Status.COMMAND_NOT_POSSIBLE_REJECTED): 1,
+    (Command.STOP_MOVE, Status.REJECTED_BY_SAFETY): 2,
+    (Command.STOP_MOVE, Status.EMERGENCY_ABORTED): 3,
+    (Command.STOP_MOVE, Status.REFLEX_ABORTED): 4,
+    (Command.STOP_MOVE, Status.ABORTED): 5,
+    (Command.AUTOMATIC_ERROR_RECOVERY, Status.REJECTED_BY_SAFETY): 2,
     (
         Command.AUTOMATIC_ERROR_RECOVERY,
-        RecoveryStatus.MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED,
+        Status.MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED,
     ): 3,
-    (Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.REFLEX_ABORTED): 4,
-    (Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.EMERGENCY_ABORTED): 5,
-    (Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.ABORTED): 6,
-    (Command.SET_LOAD, SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED): 1,
-    (Command.SET_LOAD, SetterStatus.INVALID_ARGUMENT_REJECTED): 2,
-    (Command.SET_LOAD, SetterStatus.REJECTED_BY_SAFETY): 3,
-    (Command.LOAD_MODEL_LIBRARY, LibraryStatus.ERROR): 1,
-    (Command.GET_ROBOT_MODEL, ModelStatus.COMMAND_NOT_POSSIBLE_REJECTED): 1,
-    (Command.GET_ROBOT_MODEL, ModelStatus.REJECTED_BY_SAFETY): 2,
-    (Command.CONNECT, ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION): 1,
+    (Command.AUTOMATIC_ERROR_RECOVERY, Status.REFLEX_ABORTED): 4,
+    (Command.AUTOMATIC_ERROR_RECOVERY, Status.EMERGENCY_ABORTED): 5,
+    (Command.AUTOMATIC_ERROR_RECOVERY, Status.ABORTED): 6,
+    (Command.SET_LOAD, Status.COMMAND_NOT_POSSIBLE_REJECTED): 1,
+    (Command.SET_LOAD, Status.INVALID_ARGUMENT_REJECTED): 2,
+    (Command.SET_LOAD, Status.REJECTED_BY_SAFETY): 3,
+    (Command.LOAD_MODEL_LIBRARY, Status.ERROR): 1,
+    (Command.GET_ROBOT_MODEL, Status.COMMAND_NOT_POSSIBLE_REJECTED): 1,
+    (Command.GET_ROBOT_MODEL, Status.REJECTED_BY_SAFETY): 2,
+    (Command.CONNECT, Status.INCOMPATIBLE_LIBRARY_VERSION): 1,
 }
 
 
@@ -260,10 +247,25 @@ def test_version_7_ends_torques_and_has_motions_without_a_generator():
     assert MoveGenerator.NONE not in PANDA.generators
 
 
-def test_version_5_has_no_statuses_of_safety_functions():
-    for exchange in PANDA.exchanges.values():
-        assert list(exchange.statuses) == list(range(len(exchange.statuses)))
-        assert exchange.status_of(77) == UnknownStatus.UNKNOWN
+STATUSES_OF_PANDA = {
+    Command.CONNECT: "success, incompatible library version",
+    Command.MOVE: "success, motion started, preempted, command not possible rejected, "
+    "start at singular pose rejected, invalid argument rejected, reflex aborted, "
+    "emergency aborted, input error aborted, aborted",
+    Command.STOP_MOVE: "success, command not possible rejected, emergency aborted, "
+    "reflex aborted, aborted",
+    Command.AUTOMATIC_ERROR_RECOVERY: "success, command not possible rejected, manual "
+    "error recovery required rejected, reflex aborted, emergency aborted, aborted",
+    Command.LOAD_MODEL_LIBRARY: "success, error",
+}
+SETTER = "success, command not possible rejected, invalid argument rejected"
+
+
+def test_version_5_has_the_statuses_of_its_header_none_of_safety_functions():
+    for command, exchange in PANDA.exchanges.items():
+        named = [status.name.lower().replace("_", " ") for status in exchange.statuses]
+        assert ", ".join(named) == STATUSES_OF_PANDA.get(command, SETTER)
+        assert exchange.status_of(77) is Status.UNKNOWN
 
 
 def test_every_array_of_the_message_is_one_of_the_arms_state_of_the_same_size():
