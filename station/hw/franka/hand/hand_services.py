@@ -1,5 +1,6 @@
 """The services of a simulated hand: its commands, their checks, and their results."""
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Protocol
 
@@ -269,6 +270,38 @@ class HandMotor(GripperMotor, Protocol):
         """Return an object that reads each finger's position, velocity and force."""
 
 
+class HandCommands:
+    """The present command of a hand, and the last one. Control thread only.
+
+    Args:
+        read_time: Returns the time of the hand [s].
+
+    Attributes:
+        present: The command that runs; None without one.
+        last: The last command that ended; None if there is none.
+    """
+
+    def __init__(self, read_time: Callable[[], float]) -> None:
+        self._read_time = read_time
+        self._count = 0
+        self.present: GripperCommand | None = None
+        self.last: GripperCommand | None = None
+
+    def begin(self, action: GripperAction, request: dict[str, float]) -> None:
+        """Note that a command begins, which ends the present one."""
+        self.end(GoalStatus.PREEMPTED, f"A newer command took over: {action.value}.")
+        self._count += 1
+        status, started = GoalStatus.ACTIVE, self._read_time()
+        self.present = GripperCommand(self._count, action, status, "", request, started)
+
+    def end(self, status: GoalStatus, message: str) -> None:
+        """Note how the present command has ended, if there is one."""
+        command, self.present = self.present, None
+        if command is not None:
+            ended = self._read_time()
+            self.last = replace(command, status=status, message=message, ended=ended)
+
+
 class HandServices(GripperServices):
     """The services of a simulated hand. Control thread only.
 
@@ -286,9 +319,7 @@ class HandServices(GripperServices):
         self._motor = motor
         self._open_width = 2.0 * motor.limits[1]
         self._motion = GripperMotion(motor, self._open_width)
-        self._command: GripperCommand | None = None
-        self._last: GripperCommand | None = None
-        self._count = 0
+        self._commands = HandCommands(motor.read_time)
         self.owner: str | None = None
         self.is_moving = False
 
@@ -304,8 +335,8 @@ class HandServices(GripperServices):
             time=self._motor.read_time(),
             activity=activity,
             force=self._motor.read_force(),
-            command=self._command,
-            last=self._last,
+            command=self._commands.present,
+            last=self._commands.last,
         )
 
     @override
@@ -330,15 +361,15 @@ class HandServices(GripperServices):
 
     @override
     def stop(self) -> None:
-        self._end(GoalStatus.PREEMPTED, "The gripper was told to stop.")
+        self._commands.end(GoalStatus.PREEMPTED, "The gripper was told to stop.")
         # A controller that owns the fingers continues to command them.
         if self.owner is None:
             self._rest()
 
     @override
     def interrupt(self, reason: str) -> None:
-        if self._command is not None:
-            self._end(GoalStatus.PREEMPTED, reason)
+        if self._commands.present is not None:
+            self._commands.end(GoalStatus.PREEMPTED, reason)
             self._rest()
 
     def give_to(self, owner: str | None) -> None:
@@ -348,13 +379,17 @@ class HandServices(GripperServices):
             owner: Name of the controller; None if no controller claims the fingers.
         """
         if owner is not None and owner != self.owner:
-            self._end(GoalStatus.PREEMPTED, f"Controller '{owner}' took the fingers.")
+            self._commands.end(
+                GoalStatus.PREEMPTED, f"Controller '{owner}' took the fingers."
+            )
             self._motion.give_up()
         self.owner = owner
 
     def begin_anew(self) -> None:
         """End the present command, because the world was reset."""
-        self._end(GoalStatus.PREEMPTED, "A reset put the hand back to its start.")
+        self._commands.end(
+            GoalStatus.PREEMPTED, "A reset put the hand back to its start."
+        )
         self._motion.give_up()
 
     def advance(self) -> None:
@@ -364,32 +399,17 @@ class HandServices(GripperServices):
         self.is_moving = not motion.is_over()
         if outcome is not None:
             if outcome.message is None:
-                self._end(GoalStatus.SUCCEEDED, "")
+                self._commands.end(GoalStatus.SUCCEEDED, "")
             else:
-                self._end(GoalStatus.ABORTED, outcome.message)
+                self._commands.end(GoalStatus.ABORTED, outcome.message)
 
     def _rest(self) -> None:
         self._motion.rest()
         self.is_moving = True
 
     def _begin(self, action: GripperAction, request: dict[str, float]) -> None:
-        self._count += 1
         self.is_moving = True
-        self._end(GoalStatus.PREEMPTED, f"A newer command took over: {action.value}.")
-        self._command = GripperCommand(
-            self._count,
-            action,
-            GoalStatus.ACTIVE,
-            "",
-            request,
-            started=self._motor.read_time(),
-        )
-
-    def _end(self, status: GoalStatus, message: str) -> None:
-        command, self._command = self._command, None
-        if command is not None:
-            ended = self._motor.read_time()
-            self._last = replace(command, status=status, message=message, ended=ended)
+        self._commands.begin(action, request)
 
     def _check_free(self) -> None:
         if self.owner is not None:

@@ -36,32 +36,20 @@ _CLOSED = "the driver is closed"
 _logger = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class HandOrder:
-    """A command that the hand is to carry out.
+    """A command that the hand is to carry out, and its outcome.
 
     Attributes:
-        identifier: Number of the command, for its outcome.
         command: The command.
         values: The fields of the request.
+        outcome: The hand's answer, or the reason why the hand was lost before; None
+            while the order waits or runs. The thread of the link sets it once.
     """
 
-    identifier: int
     command: HandCommand
     values: Mapping[str, Any]
-
-
-@dataclass(frozen=True, slots=True)
-class HandOutcome:
-    """The outcome of an order.
-
-    Attributes:
-        identifier: Number of the command.
-        status: The hand's answer; None if the hand was lost before.
-    """
-
-    identifier: int
-    status: Status | None
+    outcome: Status | str | None = None
 
 
 class HandLink:
@@ -82,7 +70,6 @@ class HandLink:
     Attributes:
         problem: Why there is no hand; None while it is there.
         state: The newest state of the hand, by field; None before the first one.
-        outcomes: How orders ended, oldest first; the reader takes each out.
         on_state: Called by the thread of the link with every new state.
     """
 
@@ -103,7 +90,7 @@ class HandLink:
         self._connection: Connection[HandCommand] | None = None
         self._orders: deque[HandOrder] = deque()
         self._next: HandOrder | None = None
-        self._running: tuple[int, int] | None = None  # its request and its order
+        self._running: tuple[int, HandOrder] | None = None  # with its request
         self._stop: int | None = None
         self._heard = 0.0
         self._next_try = 0.0
@@ -111,8 +98,7 @@ class HandLink:
         self._is_closing = False
         self.problem: str | None = "the hand was not connected to yet"
         self.state: Mapping[str, Any] | None = None
-        self.outcomes: deque[HandOutcome] = deque()
-        self.on_state: Callable[[Mapping[str, Any]], None] = _ignore
+        self.on_state: Callable[[Mapping[str, Any]], None] = lambda _state: None
 
     def start(self) -> None:
         """Try to connect, and go on in a thread of the link."""
@@ -147,7 +133,8 @@ class HandLink:
         """Carry out the waiting orders, then wait for more."""
         connection = self._connection
         if connection is None:
-            self._drop_orders()
+            while self._orders:
+                self._orders.popleft().outcome = self.problem
             left = self._next_try - self._clock()
             if left > 0.0:
                 self._pause(None, left)
@@ -208,11 +195,11 @@ class HandLink:
         if self._stop is not None and client.take_answer(self._stop) is not None:
             self._stop = None
         if self._running is not None:
-            number, identifier = self._running
+            number, order = self._running
             answer = client.take_answer(number)
             if answer is not None:
                 self._running = None
-                self.outcomes.append(HandOutcome(identifier, answer.status))
+                order.outcome = answer.status
 
     def _carry_out(self, client: FciClient[HandCommand]) -> None:
         """Send the newest order, or first a stop of the motion that runs."""
@@ -222,19 +209,13 @@ class HandLink:
         if order is None or self._stop is not None:
             return
         if order.command is HandCommand.STOP:
-            self._next = None
             self._stop = client.send(HandCommand.STOP)
+            self._next = None
         elif self._running is not None:
             self._stop = client.send(HandCommand.STOP)
         else:
+            self._running = client.send(order.command, order.values), order
             self._next = None
-            number = client.send(order.command, order.values)
-            self._running = (number, order.identifier)
-
-    def _drop_orders(self) -> None:
-        """End orders that came while there is no hand."""
-        while self._orders:
-            self.outcomes.append(HandOutcome(self._orders.popleft().identifier, None))
 
     def _lose(self, problem: str) -> None:
         """Give the hand up for some time, and end its order."""
@@ -242,15 +223,11 @@ class HandLink:
         if connection is not None:
             connection.network.close()
         if self._running is not None:
-            self.outcomes.append(HandOutcome(self._running[1], None))
+            self._running[1].outcome = problem
         if self._next is not None:
-            self.outcomes.append(HandOutcome(self._next.identifier, None))
+            self._next.outcome = problem
         self._running = self._next = self._stop = None
         if problem not in {self.problem, _CLOSED}:
             _logger.warning("There is no hand: %s", problem)
         self.problem, self.state = problem, None
         self._next_try = self._clock() + RETRY
-
-
-def _ignore(_state: Mapping[str, Any]) -> None:
-    """Do nothing with a state."""

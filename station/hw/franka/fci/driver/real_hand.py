@@ -6,7 +6,7 @@ a newer one ends it.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from math import nan
 from typing import Any
 
@@ -18,7 +18,6 @@ from station.core.franka import (
     GraspRequest,
     GripperAction,
     GripperActivity,
-    GripperCommand,
     GripperServices,
     GripperState,
 )
@@ -28,6 +27,7 @@ from station.hw.franka.fci.driver.hand_link import HandLink, HandOrder
 from station.hw.franka.fci.wire.gripper_protocol import HandCommand
 from station.hw.franka.fci.wire.robot_protocol import Status
 from station.hw.franka.hand.hand_limits import OPEN_WIDTH, check_grasp, check_move
+from station.hw.franka.hand.hand_services import HandCommands
 from station.memory.doubles import Block
 
 _ACTIVITIES = {
@@ -35,6 +35,7 @@ _ACTIVITIES = {
     GripperAction.MOVE: GripperActivity.MOVING,
     GripperAction.GRASP: GripperActivity.GRASPING,
 }
+_GRASPED = GripperAction.GRASP, GoalStatus.SUCCEEDED
 _MILLISECOND = 0.001
 _FAILURES = {
     Status.FAIL: "libfranka gripper: Command failed!",
@@ -54,9 +55,8 @@ class RealHand(GripperServices):
         super().__init__(arm_id)
         self._link = link
         self._fingers = Block({"q": 2, "none": 2})
-        self._command: GripperCommand | None = None
-        self._last: GripperCommand | None = None
-        self._count = 0
+        self._commands = HandCommands(self._time)
+        self._order: HandOrder | None = None  # of the newest command
         link.on_state = self._note_width
 
     def register(self, interfaces: Iterable[object], names: Sequence[str]) -> None:
@@ -82,7 +82,7 @@ class RealHand(GripperServices):
     @override
     def get_state(self) -> GripperState:
         state = self._check_connected()
-        self._take_outcomes()
+        self._take_outcome()
         return GripperState(
             width=state["width"],
             max_width=state["max_width"],
@@ -91,8 +91,8 @@ class RealHand(GripperServices):
             time=state["message_id"] * _MILLISECOND,
             activity=self._activity(is_grasped=state["is_grasped"]),
             force=nan,  # the protocol does not tell it
-            command=self._command,
-            last=self._last,
+            command=self._commands.present,
+            last=self._commands.last,
         )
 
     @override
@@ -117,66 +117,49 @@ class RealHand(GripperServices):
 
     @override
     def interrupt(self, reason: str) -> None:
-        self._take_outcomes()
-        if self._command is not None:
+        self._take_outcome()
+        if self._commands.present is not None:
             self._stop(reason)
 
     def _stop(self, reason: str) -> None:
-        self._take_outcomes()
-        self._end(GoalStatus.PREEMPTED, reason)
-        self._link.order(HandOrder(0, HandCommand.STOP, {}))
+        self._take_outcome()
+        self._commands.end(GoalStatus.PREEMPTED, reason)
+        self._link.order(HandOrder(HandCommand.STOP, {}))
 
     def _begin(
         self, action: GripperAction, command: HandCommand, request: dict[str, float]
     ) -> None:
         self._check_connected()
-        self._take_outcomes()
-        self._end(GoalStatus.PREEMPTED, f"A newer command took over: {action.value}.")
-        self._count += 1
-        self._command = GripperCommand(
-            self._count, action, GoalStatus.ACTIVE, "", request, started=self._time()
-        )
-        self._link.order(HandOrder(self._count, command, request))
+        self._take_outcome()
+        self._commands.begin(action, request)
+        self._order = HandOrder(command, request)
+        self._link.order(self._order)
 
-    def _take_outcomes(self) -> None:
+    def _take_outcome(self) -> None:
         """Note the end of the present command, if it has ended."""
-        outcomes = self._link.outcomes
-        while outcomes:
-            outcome = outcomes.popleft()
-            if self._command is None or outcome.identifier != self._command.identifier:
-                continue  # of a command that a newer command has replaced
-            if outcome.status == Status.SUCCESS:
-                self._end(GoalStatus.SUCCEEDED, "")
-            else:
-                self._end(GoalStatus.ABORTED, self._failure(outcome.status))
+        outcome = None if self._order is None else self._order.outcome
+        if outcome is Status.SUCCESS:
+            self._commands.end(GoalStatus.SUCCEEDED, "")
+        elif outcome is not None:
+            self._commands.end(GoalStatus.ABORTED, self._failure(outcome))
 
-    def _failure(self, status: Status | None) -> str:
+    def _failure(self, outcome: Status | str) -> str:
         """Return the reason why a command did not succeed."""
-        if status is None:
-            return f"The hand was lost: {(self._link.problem or '').rstrip('.')}."
-        if status == Status.UNSUCCESSFUL:
+        if isinstance(outcome, str):
+            return f"The hand was lost: {outcome.rstrip('.')}."
+        if outcome is Status.UNSUCCESSFUL:
             state = self._link.state
             where = "" if state is None else f" at {state['width']:.4f} m"
             return f"The fingers came to rest{where}, where they should not."
         said = "libfranka gripper: Unexpected response while handling command!"
-        return next((text for key, text in _FAILURES.items() if key == status), said)
-
-    def _end(self, status: GoalStatus, message: str) -> None:
-        command, self._command = self._command, None
-        if command is not None:
-            ended = self._time()
-            self._last = replace(command, status=status, message=message, ended=ended)
+        return _FAILURES.get(outcome, said)
 
     def _activity(self, *, is_grasped: bool) -> GripperActivity:
-        if self._command is not None:
-            return _ACTIVITIES[self._command.action]
-        last = self._last
-        holds = (
-            is_grasped
-            and last is not None
-            and last.action is GripperAction.GRASP
-            and last.status is GoalStatus.SUCCEEDED
-        )
+        if self._commands.present is not None:
+            return _ACTIVITIES[self._commands.present.action]
+        last = self._commands.last
+        is_held = last is not None and (last.action, last.status) == _GRASPED
+        holds = is_grasped and is_held
         return GripperActivity.HOLDING if holds else GripperActivity.IDLE
 
     def _time(self) -> float:

@@ -174,7 +174,7 @@ def test_command_of_a_hand_that_gets_lost_is_aborted_with_the_reason(bench):
     bench.turns(3)
     last = bench.hand.get_state().last
     assert last.status is GoalStatus.ABORTED
-    assert last.message.startswith("The hand was lost")
+    assert last.message == "The hand was lost: libfranka: UDP receive: Timeout."
 
 
 def test_fingers_are_in_the_joint_states_as_franka_gripper_publishes_them(bench):
@@ -184,3 +184,15 @@ def test_fingers_are_in_the_joint_states_as_franka_gripper_publishes_them(bench)
     first = interface.get_handle("panda_finger_joint1")
     assert first.get_position() == pytest.approx(0.04, abs=1e-4)
     assert (first.get_velocity(), first.get_effort()) == (0.0, 0.0)
+
+
+def test_command_that_cannot_be_sent_is_aborted_with_the_reason(bench):
+    bench.is_broken = True
+    bench.hand.move(0.05)
+    bench.turns(1)
+    bench.is_broken = False
+    bench.turns(3)
+    state = bench.hand.get_state()
+    assert state.command is None
+    assert state.last.status is GoalStatus.ABORTED
+    assert "broken pipe" in state.last.message
