@@ -3,6 +3,7 @@
 #
 #   make run    the station; ARGS="--rate 500" are handed on to `station run`
 #   make test   all that CI runs      make check   without the slow and browser tests
+#   make test-long  runs what takes longest, before a release; docs/testing.md says more
 #   make setup  only prepares .venv   make lock    after a change of dependencies
 #   make bench  the benchmarks        make clean   removes all that can be made again
 #   make performance  measures anew and writes the tables of docs/performance.md
@@ -13,7 +14,7 @@
 CHECKS := mypy imports ruff format client-page notebook import-rules page-modules subjects
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run compile compile-if-possible browser test check static client lock bench \
+.PHONY: help setup run compile compile-if-possible browser test test-long check static client lock bench \
 	performance clean $(CHECKS:%=static-%)
 
 ARGS ?=
@@ -81,6 +82,9 @@ check: static compile-if-possible
 
 test: check browser
 	@sh tools/test.sh slow $(PYTEST_ARGS)
+
+test-long: compile-if-possible browser
+	@sh tools/test.sh long $(PYTEST_ARGS)
 
 lock: EXPORT := --quiet --no-config --locked --no-emit-project
 lock: $(READY_DEV)

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Run the tests: `test.sh quick` those that need no more than this process, and `test.sh
-# slow` the rest; more arguments go to pytest. The extensions are compiled first. What
+# Run the tests: `test.sh quick` those that need no more than this process, `test.sh slow`
+# those with a browser or whole processes, and `test.sh long` the rest, which no run of all
+# tests has the time for; more arguments go to pytest. The extensions are compiled first. What
 # reaches them then runs twice, compiled and interpreted; everything else runs compiled.
 # Without a C compiler, which is said, everything runs interpreted, once.
 set -eu
@@ -42,21 +43,25 @@ fi
 case $which in
 quick)
     [ $# -gt 0 ] || set -- tests --ignore tests/browser --ignore tests/system
-    run "not slow and not alone" auto "$@"
+    run "not slow and not alone and not long" auto "$@"
     # Tests that run alone wait most of the time: two leave each other the processor.
-    patiently "alone and not slow" 2 --dist loadfile --marked alone "$@"
+    patiently "alone and not slow and not long" 2 --dist loadfile --marked alone "$@"
     if [ -n "${STATION_COMPILED:-}" ]; then
         say "once more, interpreted: what reaches compiled modules"
         [ "$1" != tests ] || set -- tests/core tests/hw tests/controllers tests/memory tests/conformance
         export STATION_COMPILED=0
-        run "not slow and not alone" auto --reaching-compiled "$@"
+        run "not slow and not alone and not long" auto --reaching-compiled "$@"
     fi
     ;;
 slow)
     # A file is run by one worker: its stations and pages are started once. One worker
     # more than processors takes longer. tests/conftest.py has the order.
     [ $# -gt 0 ] || set -- tests
-    patiently slow auto --dist loadfile --no-loadscope-reorder --marked slow "$@"
+    patiently "slow and not long" auto --dist loadfile --no-loadscope-reorder --marked slow "$@"
     ;;
-*) say "quick or slow, not $which" && exit 2 ;;
+long)
+    [ $# -gt 0 ] || set -- tests
+    patiently long auto --dist loadfile --no-loadscope-reorder --marked long "$@"
+    ;;
+*) say "quick, slow or long, not $which" && exit 2 ;;
 esac

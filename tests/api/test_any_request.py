@@ -35,7 +35,7 @@ PROMISED = [
 STOP = "POST /api/v1/stop"
 """It stops whatever it is told."""
 
-EXAMPLES = int(os.environ.get("MADE_UP_REQUESTS", "8"))
+EXAMPLES = int(os.environ.get("MADE_UP_REQUESTS", "2"))
 """Requests of each operation."""
 
 KNOWN = {"name": "arm", "arm_id": "panda"}

@@ -26,7 +26,7 @@ from tests.browser.workspace_page import (
 )
 from tests.stopwatch import Stopwatch
 
-pytestmark = [pytest.mark.slow, pytest.mark.alone]
+pytestmark = [pytest.mark.long, pytest.mark.alone]
 
 _LIVE = '#bar[data-link="live"]'
 _NOT_LIVE = '#bar:not([data-link="live"])'

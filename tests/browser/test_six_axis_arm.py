@@ -13,7 +13,7 @@ from tests.browser.workspace_page import (
     without_scene,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 CONFIG = Path(__file__).parents[2] / "examples" / "ur5.yaml"
 KIND = "position_controllers/JointGroupPositionController"

@@ -18,7 +18,7 @@ from tests.browser.workspace_page import (
     wait_until,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 ROOT = Path(__file__).parents[2]
 CUBE_X, CUBE_Z = "0.5", "0.02"

@@ -9,7 +9,7 @@ from station.ui.page.load_examples import example_parameters
 from tests.browser.conftest import run_station
 from tests.browser.workspace_page import position, wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 CONFIG = Path(__file__).parents[2] / "examples/dual_panda.yaml"
 GROUP = "effort_controllers/JointGroupPositionController"

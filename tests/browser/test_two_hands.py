@@ -9,7 +9,7 @@ from station.client import StationClient
 from tests.browser.conftest import run_station
 from tests.browser.workspace_page import wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 ARMS = ("panda_1", "panda_2")
 KINDS = ("CartesianJogController", "CartesianStreamingController")

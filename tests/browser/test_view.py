@@ -22,7 +22,7 @@ from tests.browser.workspace_page import (
     wait_until,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 WALL = """
 scene:

@@ -175,7 +175,7 @@ def test_the_command_line_understands_the_example(command):
     assert parse(normalise(command.words[1:])).run
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_square_of_the_page_on_controllers_is_driven(url, monkeypatch):
     monkeypatch.setenv("STATION_URL", url)
     monkeypatch.setenv("STATION_TOKEN", OPERATOR)

@@ -17,7 +17,7 @@ from tests.experiments.cluster_trials import GAINS, GOAL, SEARCH, first_trial
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.alone
 def test_search_finds_the_same_when_workers_go_and_come(tmp_path):
     """A worker is killed and one added: no trial is lost, none is counted twice."""

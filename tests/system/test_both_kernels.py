@@ -13,7 +13,7 @@ from tests.for_each import for_each
 from tests.system.station_process import ROOT
 
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.long,
     pytest.mark.skipif(find_misfit() is not None, reason=str(find_misfit())),
 ]
 

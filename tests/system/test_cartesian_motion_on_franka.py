@@ -66,7 +66,7 @@ def test_a_square_streamed_at_fifty_hertz_is_driven(robot) -> None:
     assert position(station) == pytest.approx(begin, abs=0.001)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("robot", [{}, UNLIMITED], ids=["limiter", "no limiter"])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("axis", range(6))
@@ -141,7 +141,7 @@ def stall(station: Station, random: Random) -> None:
         step(station, 1)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("robot", [{}, UNLIMITED], ids=["limiter", "no limiter"])
 def test_stalls_in_a_streamed_square_are_no_error(robot, seed) -> None:
@@ -163,7 +163,7 @@ def test_stalls_in_a_streamed_square_are_no_error(robot, seed) -> None:
     assert math.dist(position(station), pose[:3]) < 0.001
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("axis", range(6))
 def test_stalls_while_a_jog_button_is_held_are_no_error(axis) -> None:
     robot, random = UNLIMITED if axis % 2 else {}, Random(axis)

@@ -11,6 +11,8 @@ from tests.stopwatch import Stopwatch
 from tests.system.station_process import StationProcess, is_alive, wait_for_end
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.long
+
 RECONNECTED = 3.0
 """What is promised, from the answer of the new station's API on [s]."""
 
@@ -53,7 +55,6 @@ def wait_until_live(browser, url):
     assert wait_until(lambda: browser.get(f"{url}/state").json().get("link") == "live")
 
 
-@pytest.mark.slow
 def test_sessions_outlive_a_crash_and_the_dashboard_follows_the_next_station(
     start, browser
 ):
@@ -98,7 +99,6 @@ def test_sessions_outlive_a_crash_and_the_dashboard_follows_the_next_station(
     assert not is_alive(dashboard)
 
 
-@pytest.mark.slow
 def test_dashboard_that_nobody_adopts_ends(start):
     station = start(window=1.0)
     station.told(1)
@@ -111,7 +111,6 @@ def test_dashboard_that_nobody_adopts_ends(start):
     assert list(folder.glob("*.dashboard")) == []
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 0.3, 0.8])
 def test_dashboard_that_still_imports_ends_with_a_killed_station(start, delay):
     station = start()

@@ -13,7 +13,7 @@ from websockets.sync.client import connect
 from station.client import StationClient
 from tests.system.station_process import StationProcess
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 DESCRIPTORS = 128
 FEW = 44

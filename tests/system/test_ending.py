@@ -78,6 +78,7 @@ def test_ctrl_c_ends_everything_with_open_streams(start, watch):
     assert not Path(station.told(0)["runtime_file"]).exists()
 
 
+@pytest.mark.long
 def test_termination_ends_it_likewise_and_the_command_line_tells_its_absence(
     start, watch
 ):
@@ -97,6 +98,7 @@ def test_termination_ends_it_likewise_and_the_command_line_tells_its_absence(
     assert "No station runs" in lost.stderr
 
 
+@pytest.mark.long
 def test_stuck_dashboard_does_not_hold_it_up(start):
     station = start()
     station.told(1)
@@ -110,6 +112,7 @@ def test_stuck_dashboard_does_not_hold_it_up(start):
     assert not is_alive(dashboard)
 
 
+@pytest.mark.long
 def test_request_that_never_comes_back_does_not_hold_the_end_up(start, tmp_path):
     config, mark = tmp_path / "station.yaml", tmp_path / "loading"
     module = hung_controllers.__name__
@@ -133,6 +136,7 @@ def test_request_that_never_comes_back_does_not_hold_the_end_up(start, tmp_path)
     assert "Traceback" not in station.errors
 
 
+@pytest.mark.long
 def test_second_signal_ends_it_at_once(start):
     station = start("--no-ui")
     station.access()
@@ -144,6 +148,7 @@ def test_second_signal_ends_it_at_once(start):
     assert "Traceback" not in station.errors
 
 
+@pytest.mark.long
 def test_signal_during_the_start_ends_it(start):
     station = start("--no-ui")
 

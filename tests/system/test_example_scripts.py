@@ -79,10 +79,12 @@ def notebook(station, tmp_path_factory):
     return folder, json.loads(run(station, folder, "-c", code))
 
 
+@pytest.mark.long
 def test_the_notebook_shows_the_station(notebook):
     assert "<b>Station</b>" in notebook[1]["connect"]
 
 
+@pytest.mark.long
 def test_step_responses_are_plotted(notebook):
     folder, shown = notebook
 
@@ -91,6 +93,7 @@ def test_step_responses_are_plotted(notebook):
     assert (folder / "step_responses.png").stat().st_size > 10_000
 
 
+@pytest.mark.long
 def test_cube_is_picked_in_spite_of_a_reflex(notebook):
     out = notebook[1]["pick_a_cube"]
 
@@ -101,6 +104,7 @@ def test_cube_is_picked_in_spite_of_a_reflex(notebook):
     assert z == pytest.approx(0.02, abs=0.01)
 
 
+@pytest.mark.long
 def test_motion_is_recorded_and_analysed(notebook):
     folder, shown = notebook
     out = shown["record_and_analyse"]
@@ -113,12 +117,14 @@ def test_motion_is_recorded_and_analysed(notebook):
     assert rows[0].startswith("stamp,cycle,desired/panda_joint1")
 
 
+@pytest.mark.long
 def test_a_joint_is_tuned(notebook):
     percent = re.match(r"error (\d+)% of the first", notebook[1]["tune_a_joint"])[1]
 
     assert 0 < int(percent) <= 100
 
 
+@pytest.mark.long
 def test_controllers_are_compared(station, tmp_path):
     """It needs no running station, and is no cell of the notebook."""
     script = tmp_path / "compare_two_controllers.py"

@@ -13,6 +13,8 @@ from tests.system.checkout import copy_checkout
 from tests.system.station_process import StationProcess
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.long
+
 needs_extensions = pytest.mark.skipif(
     find_misfit() is not None, reason=str(find_misfit())
 )

@@ -10,6 +10,8 @@ from station.core.facade.robots import Robots
 from station.core.franka.arms import Arms
 from station.core.franka.franka_robot_state import RobotMode
 
+pytestmark = pytest.mark.long
+
 HIGH = [0.0, 0.0, 2.0]  # no pose touches the floor
 
 # From random motions in the whole range of the joints: those whose estimated forces
@@ -42,7 +44,6 @@ def mode_of(robots: Robots) -> RobotMode:
     return Arms(robots).report("panda").robot_mode
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2])
 @pytest.mark.parametrize("duration", [None, 2.0, 6.0])
 def test_the_arm_moves_between_its_named_poses(
@@ -56,7 +57,6 @@ def test_the_arm_moves_between_its_named_poses(
             assert mode_of(robot.facade.robots) is RobotMode.MOVE
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 5])
 @pytest.mark.parametrize("case", range(len(WORST)))
 def test_the_arm_moves_through_nearly_singular_poses(case: int, seed: int) -> None:

@@ -1,6 +1,10 @@
 """The guides lead from an empty folder to a joint that moves."""
 
+import pytest
+
 from tests.system.guide import Reader
+
+pytestmark = pytest.mark.long
 
 
 def test_write_a_controller(tmp_path):

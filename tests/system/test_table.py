@@ -16,6 +16,8 @@ from station.core.franka.arms import Arms
 from station.hw.franka.franka_hw import FrankaHW
 from tests.franka_station import JOINTS, make_franka_station
 
+pytestmark = pytest.mark.long
+
 # The tip of the hand starts at 0.487 m, the table's top is just below.
 TABLE = {
     "name": "table",
@@ -105,7 +107,6 @@ def count_objects(station: Station) -> int:
     return len(gc.get_objects())
 
 
-@pytest.mark.slow
 def test_hundred_times_in_a_row_nothing_leaks(station: Station) -> None:
     delays = [run_into_table_and_recover(station) for _ in range(10)]
     objects, threads = count_objects(station), threading.active_count()

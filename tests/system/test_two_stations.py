@@ -11,7 +11,7 @@ from station.records.recording_reader import read_trajectory
 from tests.system.station_process import PATIENCE, StationProcess
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 
 @pytest.fixture

@@ -148,7 +148,7 @@ def test_a_standstill_makes_a_real_arm_hold_and_latches_the_stop(start, tmp_path
     assert any("could not be started" in outcome for outcome in outcomes)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "code"), [("EndlessController", 3), ("LockedController", -signal.SIGKILL)]
 )
@@ -165,7 +165,7 @@ def test_a_station_that_does_not_come_back_is_ended(start, kind, code):
     assert "Traceback" not in station.errors
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_small_watchdog_carries_a_stop_out_and_ends_with_a_killed_station(start):
     station = start()
     access = station.access()
@@ -184,7 +184,7 @@ def test_a_small_watchdog_carries_a_stop_out_and_ends_with_a_killed_station(star
     assert wait_for_end(watchdog, 5.0)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_watchdog_that_dies_is_started_again_and_an_orderly_end_leaves_nothing(
     start, tmp_path
 ):
@@ -207,7 +207,7 @@ def test_a_watchdog_that_dies_is_started_again_and_an_orderly_end_leaves_nothing
     assert [p.name for p in (tmp_path / "station").iterdir() if p.is_file()] == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_stop_takes_effect_at_the_smallest_real_time_factor_and_in_a_pause(tmp_path):
     station = StationProcess(tmp_path, "--no-ui", "--real-time-factor", "0.01")
 
@@ -230,7 +230,7 @@ def test_a_stop_takes_effect_at_the_smallest_real_time_factor_and_in_a_pause(tmp
     assert running == paused == ("stopped", False, "stopped")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_start_that_hangs_says_what_it_waits_for_and_can_be_interrupted(start):
     station = start("NeverLoadedController")
 

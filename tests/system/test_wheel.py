@@ -12,6 +12,8 @@ import pytest
 from station.compiled import find_misfit
 from tests.system.checkout import compile_only, copy_checkout
 
+pytestmark = pytest.mark.long
+
 NO_COMPILER = {"PATH": "/nonexistent", "CC": "", "STATION_COMPILED": ""}
 SHOW = (
     "from station import compiled; from station.memory import functions; "

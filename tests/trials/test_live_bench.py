@@ -253,7 +253,7 @@ def default(kind, joint):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["step", "sine", "chirp", "relay"])
 @pytest.mark.parametrize(
     "controller",

@@ -449,9 +449,6 @@ class StormWorker:
         self._wait_for(self._manager.cycle + 1)
         after = self._running()
         begun = {*request.start} & (after - before)
-        is_quiet = stamp is not None and stamp == self._disturbances.stamp()
-        if begun and is_quiet:
-            self._note(f"refused ({error.message}), and {sorted(begun)} were started")
         lost = ({*request.stop} & before) - after
         unexplained = {
             name
@@ -459,7 +456,13 @@ class StormWorker:
             if f"'{name}' could not be started again" not in error.message
             and not self._fault(name)
         }
-        if unexplained and is_quiet:
+        # Asked for last: another thread that starts a failed controller again takes its
+        # fault away, and is counted.
+        if not self._is_quiet_since(stamp):
+            return
+        if begun:
+            self._note(f"refused ({error.message}), and {sorted(begun)} were started")
+        if unexplained:
             self._note(
                 f"refused ({error.message}), and {sorted(unexplained)} were stopped"
             )

@@ -56,6 +56,7 @@ def stopped(client):
     allow_motion(client)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("stopped")
 def test_axe_finds_nothing_in_any_dock_light_or_dark(all_open):
     page = all_open.page
@@ -79,6 +80,7 @@ def test_axe_finds_nothing_in_any_dock_light_or_dark(all_open):
     assert found == []
 
 
+@pytest.mark.long
 def test_tab_reaches_everything_and_moves_nothing(all_open, enabled):
     page = all_open.page
     before = enabled.last_command(CONTROLLER).last
@@ -116,6 +118,7 @@ def test_tab_reaches_everything_and_moves_nothing(all_open, enabled):
     assert enabled.last_command(CONTROLLER).last == before
 
 
+@pytest.mark.long
 def test_keys_move_the_robot_only_while_a_focused_button_is_held(all_open, enabled):
     page = all_open.page
     page.evaluate("() => document.activeElement.blur()")

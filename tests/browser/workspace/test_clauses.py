@@ -12,7 +12,7 @@ from tests.browser.workspace_page import (
     wait_until,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 EYE = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 KIND = "effort_controllers/JointGroupPositionController"

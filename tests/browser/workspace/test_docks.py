@@ -14,7 +14,7 @@ from tests.browser.workspace_page import (
     without_scene,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 
 def test_a_path_is_kept_by_the_station_and_played_in_a_loop(workspace, enabled):

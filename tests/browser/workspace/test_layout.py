@@ -8,7 +8,7 @@ import pytest
 from tests.browser.conftest import ARTIFACTS
 from tests.browser.workspace_page import WorkspacePage, wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 STYLES = Path(__file__).parents[3] / "station/ui/static/page.css"
 CHECKS = Path(__file__).with_name("layout_checks.js")

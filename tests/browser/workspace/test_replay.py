@@ -18,7 +18,7 @@ from tests.browser.workspace_page import (
     without_scene,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 PLOTS = "document.querySelector('st-plots').plots"
 

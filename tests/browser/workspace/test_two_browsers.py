@@ -19,7 +19,7 @@ from tests.browser.workspace_page import (
     without_scene,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 
 @pytest.fixture(scope="module")

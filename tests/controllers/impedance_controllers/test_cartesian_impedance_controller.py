@@ -36,7 +36,7 @@ def test_a_force_deflects_it_by_force_over_stiffness():
     assert deflection_error(np.random.default_rng(2)) < 0.02
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_so_it_does_at_twenty_poses():
     rng = np.random.default_rng(5)
     assert max(deflection_error(rng) for _ in range(20)) < 0.02

@@ -41,7 +41,7 @@ def test_no_motion_comes_nearer_than_its_margin(motions, kind):
     assert near + free >= 2
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @compiled_alone
 @pytest.mark.parametrize("kind", KINDS)
 def test_more_motions_keep_their_margin_by_two_judges(motions, kind):

@@ -19,6 +19,8 @@ from tests.hw.mujoco.test_mujoco_robot_hw import (
     states,
 )
 
+pytestmark = pytest.mark.long
+
 # Poses of the examples; the two without soft limits in their URDF get some.
 ROBOTS: Mapping[str, Mapping[str, object]] = {
     "ur5": {
@@ -106,7 +108,6 @@ def test_no_joint_limited_by_rate_leaves_its_bounds(robot: str) -> None:
     check_far_commands(robot, "velocity", seed=2, limit_mode="rate")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("limit_mode", ["ros_control", "rate"])
 @pytest.mark.parametrize("seed", range(3, 5))
 @pytest.mark.parametrize("quantity", list(INTERFACES))

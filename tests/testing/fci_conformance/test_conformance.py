@@ -23,7 +23,13 @@ from tests.testing.fci_conformance.pumped_endpoint import run_checks
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "protocol", [PANDA, *FR3], ids=lambda one: f"version {one.version}"
+    "protocol",
+    [
+        PANDA,
+        FR3[-1],
+        *(pytest.param(one, marks=pytest.mark.long) for one in FR3[:-1]),
+    ],
+    ids=lambda one: f"version {one.version}",
 )
 def test_simulated_arm_passes(protocol, tmp_path, monkeypatch, capsys):
     robot = {

@@ -34,7 +34,7 @@ def test_a_short_storm_finds_nothing(name):
     assert "nothing was wrong" in str(report)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "operations"),
     [("mock", 100_000), ("combined", 5_000), ("franka", 5_000)],

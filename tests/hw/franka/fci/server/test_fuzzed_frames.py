@@ -357,7 +357,7 @@ def test_a_thousand_frames_over_sockets_end_nothing(version):
     survive(version, 1000, Sockets)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("version", PROTOCOLS)
 def test_a_long_run_of_frames_ends_nothing(version):
     survive(version, FRAMES, Session)
