@@ -2,7 +2,6 @@
 
 import json
 import os
-import select
 import signal
 import socket
 import subprocess
@@ -15,6 +14,7 @@ import station
 from station.app.dashboard_file import DashboardRecord, claim_orphan, dashboard_path
 from station.core.errors import StationError
 from station.core.scheduling import ordinary_priority
+from station.local.descriptors import wait_until_readable
 from station.local.private_files import process_start
 
 ORPHAN_TIME = 1.0
@@ -151,7 +151,7 @@ class AdoptedProcess:
 
     def poll(self) -> int | None:
         """Return None while the process runs, `UNKNOWN_CODE` afterwards."""
-        ended, _, _ = select.select([self._descriptor], [], [], 0.0)
+        ended = wait_until_readable([self._descriptor], 0.0)
         return UNKNOWN_CODE if ended else None
 
     def wait(self, timeout: float | None = None) -> int:
@@ -160,8 +160,7 @@ class AdoptedProcess:
         Raises:
             TimeoutExpired: The process still runs after `timeout` [s].
         """
-        ended, _, _ = select.select([self._descriptor], [], [], timeout)
-        if not ended:
+        if not wait_until_readable([self._descriptor], timeout):
             raise subprocess.TimeoutExpired(str(self.pid), timeout or 0.0)
         return UNKNOWN_CODE
 

@@ -1,9 +1,11 @@
-"""The limit on open files, and so on connections, of this process.
+"""The limit on open files, and so on connections, of this process; waiting for them.
 
 Without a free file descriptor a server accepts no connection, and so no stop.
 """
 
 import resource
+import select
+from collections.abc import Sequence
 
 ENOUGH = 512
 """Number of open files that a station with all its connections and streams needs."""
@@ -40,3 +42,24 @@ def shortage() -> str | None:
         f"The process may open {most} files only. A crowd of clients can then keep a "
         f"stop waiting for seconds. `ulimit -n {ENOUGH}` before the start allows more."
     )
+
+
+def wait_until_readable(
+    descriptors: Sequence[int], timeout: float | None = None
+) -> bool:
+    """Wait until one of some descriptors can be read, or is closed at the other end.
+
+    `select.select` refuses descriptors from 1024 on, which a process that may open more
+    files reaches with as many clients.
+
+    Args:
+        descriptors: Sockets or pipes.
+        timeout: How long to wait at most [s]; 0 looks once, None waits for ever.
+
+    Returns:
+        Whether one of them can be read.
+    """
+    waiting = select.poll()
+    for descriptor in descriptors:
+        waiting.register(descriptor, select.POLLIN)
+    return bool(waiting.poll(None if timeout is None else 1e3 * timeout))

@@ -13,7 +13,6 @@ import ctypes
 import gc
 import os
 import pickle
-import select
 import signal
 import sys
 from collections.abc import Callable
@@ -22,6 +21,7 @@ from typing import TypeVar
 
 from station.core.errors import RehearsalError
 from station.core.faults import trace_of_fault
+from station.local.descriptors import wait_until_readable
 
 ResultT = TypeVar("ResultT")
 
@@ -98,7 +98,7 @@ def _run_once(
     os.close(writing)
     received = bytearray()
     try:
-        while select.select([reading], [], [], patience)[0]:
+        while wait_until_readable([reading], patience):
             part = os.read(reading, 1 << 20)
             if not part:
                 break

@@ -1,11 +1,19 @@
 """The limit of open files is raised as far as possible, and told when too low."""
 
+import fcntl
+import os
 import resource
 
 import pytest
 
 from station.local import descriptors
-from station.local.descriptors import ENOUGH, LEAST, open_more_files, shortage
+from station.local.descriptors import (
+    ENOUGH,
+    LEAST,
+    open_more_files,
+    shortage,
+    wait_until_readable,
+)
 
 ANY = resource.RLIM_INFINITY
 
@@ -52,3 +60,21 @@ def test_any_number_of_files_is_enough(limits):
     limits[:] = [(64, ANY)]
 
     assert shortage() is None
+
+
+def test_descriptors_beyond_those_of_select_are_waited_for():
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if hard != ANY and hard < 2000:
+        pytest.skip("This process may not open so many files.")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (2000, hard))
+    reading, writing = os.pipe()
+    high = fcntl.fcntl(reading, fcntl.F_DUPFD, 1500)
+    try:
+        assert not wait_until_readable([high], 0.0)
+        os.write(writing, b"!")
+        assert wait_until_readable([high], 0.0)
+        assert wait_until_readable([high])
+    finally:
+        for one in (reading, writing, high):
+            os.close(one)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))

@@ -6,7 +6,6 @@ control thread leaves an order here and reads its result; it never waits.
 
 import contextlib
 import logging
-import select
 import socket
 import threading
 import time
@@ -25,6 +24,7 @@ from station.hw.franka.fci.driver.network import (
 from station.hw.franka.fci.wire.gripper_protocol import HAND, HandCommand
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import Status
+from station.local.descriptors import wait_until_readable
 
 LOOK = 0.1
 """Time between two looks at the states of a hand [s]. Source: franka_ros@c11f000
@@ -155,10 +155,8 @@ class HandLink:
             self.serve_orders()
 
     def _wait(self, network: FciNetwork | None, longest: float) -> None:
-        readers: list[socket.socket | FciNetwork] = [self._ear]
-        if network is not None:
-            readers.append(network)
-        select.select(readers, [], [], longest)
+        readers = [self._ear, *([] if network is None else [network])]
+        wait_until_readable([one.fileno() for one in readers], longest)
         with contextlib.suppress(BlockingIOError):
             self._ear.recv(4096)
 

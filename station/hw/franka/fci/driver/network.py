@@ -3,11 +3,11 @@
 Source: libfranka@0.9.2 src/network.cpp, Network, also for the words of its errors.
 """
 
-import select
 import socket
 import struct
 
 from station.core.errors import StationError
+from station.local.descriptors import wait_until_readable
 
 TCP_TIMEOUT = 1.0
 """Longest wait for a connection and for the answer to a request [s]."""
@@ -69,7 +69,7 @@ class FciNetwork:
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, timeout)
 
     def fileno(self) -> int:
-        """Return the descriptor of the TCP stream, for `select`."""
+        """Return the descriptor of the TCP stream, to wait for."""
         return self._tcp.fileno()
 
     def send(self, data: bytes) -> None:
@@ -93,7 +93,7 @@ class FciNetwork:
             FciNetworkError: The connection is broken.
         """
         try:
-            if not select.select([self._tcp], [], [], timeout)[0]:
+            if not wait_until_readable([self._tcp.fileno()], timeout):
                 return b""
             data = self._tcp.recv(_CHUNK)
         except OSError as error:
