@@ -212,6 +212,21 @@ class FciBeside:
                 pipe.send((answers, port, reason))
         except fci_door.GONE:
             self._say_goodbye()
+        # Whoever closes the door has taken the process away before.
+        if self._process is not None:
+            with contextlib.suppress(RuntimeError):  # the station is about to end
+                self._changes.submit(self._replace_door)
+
+    def _replace_door(self) -> None:
+        """Start the process again, which has ended by itself."""
+        self._warn(
+            "The process that serves clients of the FCI has ended; another begins."
+        )
+        self._close_door()
+        try:
+            self._open_door()
+        except StationError as error:
+            self._warn(f"Clients of the FCI are served no more: {error}")
 
     def _carry_out(self, request: tuple[bool, int, bytes]) -> tuple[bytes, int | None]:
         """Carry out a request of the process. Control thread."""

@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -30,6 +31,7 @@ from station.wire import GripperMoveRequest
 from tests.api.conftest import AppTransport
 from tests.hw.franka.fci.server.test_fci_guest import hand_of
 from tests.hw.franka.plain_model import PlainModel
+from tests.waiting import wait_until
 
 pytestmark = [pytest.mark.slow, pytest.mark.alone]
 
@@ -184,6 +186,27 @@ def test_port_is_free_when_the_station_has_ended(tmp_path):
         pass
     with pytest.raises(FciNetworkError, match="refused"):
         FciNetwork(HOST, PANDA.port)
+
+
+def test_process_that_dies_is_told_and_replaced(tmp_path):
+    def is_served():
+        try:
+            FciNetwork(HOST, PANDA.port).close()
+        except FciNetworkError:
+            return False
+        return True
+
+    built, warned = station_of(CONFIG, tmp_path), []
+    built.loop.start()
+    with FciBeside(built, HOST, warned.append):
+        command = ["pgrep", "-P", str(os.getpid()), "-f", "fci_door"]
+        found = subprocess.run(command, capture_output=True, text=True, check=True)
+        os.kill(int(found.stdout), signal.SIGKILL)
+        assert wait_until(lambda: warned)
+        assert "another begins" in warned[0]
+        assert wait_until(is_served)
+    built.loop.stop()
+    assert len(warned) == 1
 
 
 def test_no_process_is_left_beside_a_station_whose_loop_has_died(tmp_path, monkeypatch):
