@@ -460,12 +460,11 @@ class StormWorker:
         # fault away, and is counted.
         if not self._is_quiet_since(stamp):
             return
-        if begun:
-            self._note(f"refused ({error.message}), and {sorted(begun)} were started")
-        if unexplained:
-            self._note(
-                f"refused ({error.message}), and {sorted(unexplained)} were stopped"
-            )
+        for names, what in ((begun, "started"), (unexplained, "stopped")):
+            if names:
+                self._note(
+                    f"refused ({error.message}), and {sorted(names)} were {what}"
+                )
 
     def _load(self) -> None:
         dice = self._dice

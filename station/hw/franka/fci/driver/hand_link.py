@@ -155,8 +155,10 @@ class HandLink:
             self.serve_orders()
 
     def _wait(self, network: FciNetwork | None, longest: float) -> None:
-        readers = [self._ear, *([] if network is None else [network])]
-        wait_until_readable([one.fileno() for one in readers], longest)
+        readers = [self._ear.fileno()]
+        if network is not None:
+            readers.append(network.fileno())
+        wait_until_readable(readers, longest)
         with contextlib.suppress(BlockingIOError):
             self._ear.recv(4096)
 
