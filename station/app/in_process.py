@@ -1,5 +1,6 @@
 """A station inside a program: the same robot, controllers and loop without sockets."""
 
+import atexit
 import logging
 import math
 from collections.abc import Mapping, Sequence
@@ -112,6 +113,7 @@ class InProcessStation:
             self._stack.callback(self.facade.loop.hw.close)
             self._stack.callback(self.facade.loop.stop)
             self.facade.loop.start()
+            atexit.register(self.close)  # for a program that leaves it open
         else:
             # Switches and recoveries that need cycles run them in virtual time.
             self.facade.manager.pump = self.step
@@ -126,6 +128,7 @@ class InProcessStation:
 
     def close(self) -> None:
         """Stop all controllers and end the control thread."""
+        atexit.unregister(self.close)
         # A station that is already stopped keeps the reason of its stop.
         if self.facade.loop.stop_latch.state is not StopState.STOPPED:
             self.facade.stop("the program ends")

@@ -27,6 +27,18 @@ def test_this_process():
         assert isinstance(pool.submit(int, "x").exception(), ValueError)
 
 
+@pytest.mark.slow
+def test_worker_that_keeps_worlds_ends_without_a_word(capfd):
+    keep = """
+import ruckig, threading
+kept, never = ruckig.Ruckig(1, 0.001), threading.Event()
+threading.Thread(target=lambda _: never.wait(), args=(kept,), daemon=True).start()
+"""
+    with make_pool(1) as pool:
+        pool.submit(exec, keep, {}).result()
+    assert capfd.readouterr().err == ""
+
+
 def test_negative_number_is_refused():
     with pytest.raises(ExperimentError, match="cannot be -1 workers"):
         make_pool(-1)
