@@ -147,6 +147,10 @@ def tune(
     seen, idle, strictness = {first.hash}, 0, _STRICTNESS
     while not found.progress.is_interrupted:
         if len(seen) + strategy.popsize > search.trials:
+            found.stopped = (
+                f"Another generation, of {strategy.popsize} trials, would exceed "
+                f"{search.trials}."
+            )
             return found
         points = strategy.ask()
         candidates = [first.with_parameters(space.gains_at(p)) for p in points]
@@ -189,8 +193,7 @@ def _begin(
             remedy="Begin with gains under which the robot carries the script out.",
         )
     cost = goal.cost(begun, begun.metrics)
-    stopped = f"Another generation would exceed {search.trials} trials."
-    return Tuned(first, begun, first, begun, cost, progress, stopped)
+    return Tuned(first, begun, first, begun, cost, progress, "")
 
 
 class _Space:

@@ -172,12 +172,14 @@ def _tell_tuned(
     rows = [[k, f"{before[k]:.4g}", f"{now[k]:.4g}"] for k in before if k in now]
     say_table(["metric", "first", "best"], rows)
     say(
-        f"{results.count()} trials in {seconds:.0f} s, cost {tuned.best_cost:.3f} of "
+        f"Trials: {results.count()} in {seconds:.0f} s, cost {tuned.best_cost:.3f} of "
         f"the first. {tuned.stopped}"
     )
     _say_refused(tuned.progress)
     name = results.path.stem
-    if tuned.best == tuned.first:
+    if results.count() == 1:
+        say("More --trials are needed for a search.")
+    elif tuned.best == tuned.first:
         say("No trial that keeps the bounds was better than the first; a looser")
         say("bound may help, such as --at-most effort_peak=1.5x violations=0.")
     else:
