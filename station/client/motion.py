@@ -40,6 +40,7 @@ async def start_move(
     duration: float | None = None,
     controller: str = "",
     plan: bool = False,
+    certificate: str | None = None,
 ) -> AsyncGoalHandle:
     """Begin a motion of joints; see `AsyncStationClient.start_move`.
 
@@ -50,13 +51,16 @@ async def start_move(
         duration: Duration of the motion [s]; None for a slow motion.
         controller: A trajectory controller; empty finds one.
         plan: Whether to plan a path without collisions.
+        certificate: Certificate of a rehearsal of this motion; None without one.
 
     Raises:
         ApiError: The station refuses.
         MotionError: No such controller is loaded, or a joint is unknown.
         UnknownPoseError: The pose is unknown.
-        ValueError: A `Pose` was given without `plan`.
+        ValueError: A `Pose` was given without `plan`, or a certificate with it.
     """
+    if plan and certificate is not None:
+        raise ValueError("A path that is planned now has not been rehearsed.")
     if isinstance(target, Pose) and not plan:
         raise ValueError("A Pose needs plan=True; move_to goes there straight.")
     if isinstance(target, str) and not plan:
@@ -72,7 +76,7 @@ async def start_move(
         wanted = dict(zip(here.name, values, strict=True))
         return await _start_planned(client, controller, wanted)
     goal = trajectory_goal(here.name, here.position, values, duration)
-    return await client.start_goal(controller, goal)
+    return await client.start_goal(controller, goal, certificate=certificate)
 
 
 async def _start_planned(

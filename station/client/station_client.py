@@ -235,6 +235,7 @@ class AsyncStationClient(AsyncControllersClient):
         duration: float | None = None,
         controller: str = "",
         plan: bool = False,
+        certificate: str | None = None,
     ) -> AsyncGoalHandle:
         """Begin to move joints, and return a handle to wait for the end or to cancel.
 
@@ -248,9 +249,15 @@ class AsyncStationClient(AsyncControllersClient):
             duration: Duration of the motion [s]; None for a slow motion.
             controller: The trajectory controller; empty finds one.
             plan: Whether to plan a path without collisions; it has its own duration.
+            certificate: Certificate of a rehearsal of this motion; None without one.
         """
         return await start_move(
-            self, target, duration=duration, controller=controller, plan=plan
+            self,
+            target,
+            duration=duration,
+            controller=controller,
+            plan=plan,
+            certificate=certificate,
         )
 
     async def move_to(

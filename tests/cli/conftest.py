@@ -142,7 +142,7 @@ class _Awaited(_Source):
         return self._fake.query_state(name)
 
     async def submit_goal(self, name, goal, epoch=None, certificate=None):
-        return self._fake.submit_goal(name, goal)
+        return self._fake.submit_goal(name, goal, certificate)
 
     async def plan(self, controller, target):
         return self._fake.plan(controller, target)
@@ -305,8 +305,8 @@ class FakeStation:
             positions=[],
         )
 
-    def submit_goal(self, name, goal):
-        self.record("submit_goal", name, goal)
+    def submit_goal(self, name, goal, certificate):
+        self.record("submit_goal", name, goal, *([certificate] if certificate else []))
         return self.goals.pop(0)
 
     def goal(self, name, goal_id):
@@ -363,8 +363,8 @@ class FakeStation:
         target.write_text(f"{name}: {{gains: {{j1: {{p: 500.0}}}}}}\n", "utf-8")
         return target
 
-    def command(self, name, values):
-        self.record("command", name, values)
+    def command(self, name, values, *, certificate):
+        self.record("command", name, values, *([certificate] if certificate else []))
         return CommandAccepted(epoch=3)
 
     def stop(self, reason):

@@ -29,6 +29,7 @@ def add_command(parser: "Parser") -> None:
     add = parser.add_argument
     add("controller")
     add("command", nargs="+", type=float, metavar="V")
+    _add_certificate(parser)
 
 
 def add_goto(parser: "Parser") -> None:
@@ -48,6 +49,15 @@ def add_goto(parser: "Parser") -> None:
         help="with --plan: the numbers are x y z [m] of a Franka's end effector in the "
         "frame of its base, and a quaternion x y z w unless it is to stay turned as it "
         "is",
+    )
+    _add_certificate(parser)
+
+
+def _add_certificate(parser: "Parser") -> None:
+    parser.add_argument(
+        "--certificate",
+        metavar="NAME",
+        help="what `rehearse --certificate` told for exactly this motion",
     )
 
 
@@ -85,7 +95,9 @@ def add_release(parser: "Parser") -> None:
 def command(options: Namespace) -> int:
     """Send a set-point to a controller."""
     with open_client(options) as client:
-        accepted = client.command(options.controller, options.command)
+        accepted = client.command(
+            options.controller, options.command, certificate=options.certificate
+        )
     line = f"{options.controller} took the set-point (epoch {accepted.epoch})."
     return answer(options, accepted, line)
 
@@ -98,12 +110,18 @@ def goto(options: Namespace) -> int:
     that starts it stops controllers that command the same joints.
 
     Raises:
-        UsageError: The pose is unknown, or a word is not a number.
+        UsageError: The pose is unknown, a word is not a number, or the path is to be
+            planned and has a certificate.
         KeyboardInterrupt: The user gave up; the goal was cancelled.
     """
     from station.client.poses import UnknownPoseError
 
     target = _target(options)
+    if options.plan and options.certificate:
+        raise UsageError(
+            "--certificate is for a rehearsed motion, and --plan finds a new path.",
+            remedy="Leave one of them out.",
+        )
     with open_client(options) as client:
         try:
             handle = client.start_move(
@@ -111,6 +129,7 @@ def goto(options: Namespace) -> int:
                 duration=options.duration,
                 controller=options.name if options.values else "",
                 plan=options.plan,
+                certificate=options.certificate,
             )
         except UnknownPoseError as error:
             raise UsageError(error.detail, remedy=error.remedy) from error

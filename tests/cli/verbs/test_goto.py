@@ -46,6 +46,25 @@ def test_a_duration_can_be_given(run, station):
     assert point["time_from_start"] == 3.5
 
 
+def test_a_rehearsed_motion_is_given_with_its_certificate(run, station):
+    station.goals = [goal("succeeded")]
+
+    assert run("goto arm 1 2 --certificate Z9l").code == 0
+    assert run("command arm 1 2 --certificate Q1").code == 0
+
+    submitted, commanded = station.calls
+    assert (submitted[0], submitted[-1]) == ("submit_goal", "Z9l")
+    assert commanded == ("command", "arm", [1.0, 2.0], "Q1")
+
+
+def test_a_path_that_is_planned_anew_has_no_certificate(run, station):
+    outcome = run("goto arm 1 2 --plan --certificate Z9l")
+
+    assert outcome.code == 2
+    assert "Leave one of them out" in outcome.err
+    assert station.calls == []
+
+
 def test_an_aborted_goal_is_a_refusal_with_its_reason(run, station):
     station.goals = [goal("pending"), goal("aborted", "Joint 'j1' is off.", -4)]
 
