@@ -37,7 +37,7 @@ from station.wire import (
 from station.wire.protocol import LEASE_HEADER
 
 if TYPE_CHECKING:
-    from station.api.streams.stream_client import StreamPort
+    from station.api.streams.channel import StreamPort
 
 _log = logging.getLogger(__name__)
 SLOW_AFTER = 5.0

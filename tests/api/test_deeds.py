@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.api.deeds import mark_of, words_of
+from station.api.audit import mark_of, words_of
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from station import wire
 from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.api.service_routes import request_model, services_of
-from station.cli.main import main
+from station.cli import main
 from station.client import ApiError, AsyncStationClient
 from station.core.errors import HardwareInterfaceError
 from station.core.franka import FrankaServices

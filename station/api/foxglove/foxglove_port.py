@@ -8,9 +8,9 @@ from fastapi import FastAPI
 from starlette.websockets import WebSocketDisconnect
 from typing_extensions import override
 
-from station.api.foxglove.foxglove_changes import FoxgloveChanges
 from station.api.foxglove.foxglove_session import (
     SUBPROTOCOLS,
+    FoxgloveChanges,
     FoxgloveSession,
     StationFaultError,
 )

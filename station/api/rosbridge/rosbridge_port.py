@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from fastapi import FastAPI
 from typing_extensions import override
 
-from station.api.rosbridge.publication import Publication
+from station.api.rosbridge.outbox import Publication
 from station.api.rosbridge.ros_graph import RosGraph
 from station.api.rosbridge.session import RosbridgeSession
 from station.api.rosbridge.topics import LATCHED

@@ -28,12 +28,14 @@ from station.api.rosbridge.broker import (
     ClientTopic,
     Offer,
 )
-from station.api.rosbridge.outbox import LEVELS, Outbox, Subscription
-from station.api.rosbridge.publication import (
+from station.api.rosbridge.outbox import (
     COMPRESSIONS,
+    LEVELS,
     TEXT_COMPRESSIONS,
     Form,
+    Outbox,
     Publication,
+    Subscription,
 )
 from station.api.rosbridge.ros_graph import RosGraph, path_of
 from station.api.rosbridge.ros_types import (
@@ -52,7 +54,7 @@ from station.core.errors import StationError
 from station.records.cdr import Values
 
 if TYPE_CHECKING:
-    from station.api.streams.stream_client import StreamPort
+    from station.api.streams.channel import StreamPort
 
 MOST_SUBSCRIPTIONS = 200
 """Most topics to which a client may subscribe, and most subscriptions to each."""

@@ -12,8 +12,6 @@ from station.api.routes import (
     events,
     experiments,
     gains,
-    hardware,
-    lessons,
     library,
     recordings,
     rehearsals,
@@ -22,33 +20,32 @@ from station.api.routes import (
     status,
     stop,
     streams,
-    tokens,
 )
 from station.wire.protocol import PREFIX
 
 api_router = APIRouter(prefix=PREFIX)
-for _module in (
-    status,
-    access,
-    controllers,
-    gains,
-    library,
-    commands,
-    bench,
-    rehearsals,
-    recordings,
-    experiments,
-    lessons,
-    cameras,
-    robots,
-    hardware,
-    simulation,
-    stop,
-    control,
-    tokens,
-    events,
-    streams,
+for _router in (
+    status.router,
+    access.router,
+    controllers.router,
+    gains.router,
+    library.router,
+    commands.router,
+    bench.router,
+    rehearsals.router,
+    recordings.router,
+    experiments.router,
+    bench.lessons,
+    cameras.router,
+    robots.router,
+    status.components,
+    simulation.router,
+    stop.router,
+    control.router,
+    access.tokens,
+    events.router,
+    streams.router,
+    recordings.uploads,
+    cameras.pictures,
 ):
-    api_router.include_router(_module.router)
-api_router.include_router(recordings.uploads)
-api_router.include_router(cameras.pictures)
+    api_router.include_router(_router)

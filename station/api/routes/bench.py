@@ -1,17 +1,17 @@
-"""The bench: measure responses of joints, read parts of recordings, keep runs."""
+"""The bench: measure responses of joints, keep them as runs, and check lessons on it.
+
+Parts of recordings are read as runs. A lesson is an exercise that the station checks on
+the student's own run.
+"""
 
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from fastapi import Path
+from fastapi import Path, Query
 
 from station.api.auth import Role
-from station.api.dependencies import (
-    AccessDep,
-    LeaseKey,
-    ServicesDep,
-)
+from station.api.dependencies import AccessDep, LeaseKey, ServicesDep
 from station.api.routes.recordings import Id, StoreDep, both, ended
 from station.api.routes.routing import change, problems, routes_of
 from station.api.services import Services
@@ -20,6 +20,13 @@ from station.trials.bench_analysis import excitation_of_part, joint_test
 from station.trials.trace import Trace
 from station.wire.base import FileName
 from station.wire.excitations import BenchRequest, BenchResponse, BenchRuns, PartRequest
+from station.wire.lessons import (
+    Lesson,
+    LessonBeginRequest,
+    LessonCheckRequest,
+    LessonResult,
+    Lessons,
+)
 
 if TYPE_CHECKING:
     from station.records.record_store import RecordStore
@@ -29,6 +36,18 @@ _LONGEST_PART = 120_000
 _STATES = ("position", "velocity", "effort")
 router = routes_of("bench")
 RunName = Annotated[FileName, Path(description="Name of the run.", examples=["soft"])]
+lessons = routes_of("lessons", "/lessons")
+LessonName = Annotated[
+    FileName, Path(description="Name of the lesson.", examples=["damping"])
+]
+Person = Annotated[
+    str,
+    Query(
+        max_length=100,
+        description="Person whose progress is told; the bearer of the token if empty.",
+        examples=["ada"],
+    ),
+]
 
 
 @router.post("/controllers/{name}/bench", **change(404, 409, 413, 422, 423))
@@ -145,3 +164,34 @@ def _trace(
         error=desired - position,
         output=output,
     )
+
+
+@lessons.get("", responses=problems(422))
+def list_lessons(
+    services: ServicesDep, access: AccessDep, person: Person = ""
+) -> Lessons:
+    """List the lessons in their order, with the progress of a person."""
+    return services.lessons.lessons(person or access.name)
+
+
+@lessons.post("/{name}/begin", **change(404, 413, 422))
+def begin_lesson(
+    name: LessonName,
+    request: LessonBeginRequest,
+    services: ServicesDep,
+    access: AccessDep,
+) -> Lesson:
+    """Begin a lesson; the station watches the robot from now on."""
+    return services.lessons.begin(name, request.person or access.name)
+
+
+@lessons.post("/{name}/check", **change(404, 409, 413, 422))
+def check_lesson(
+    name: LessonName,
+    request: LessonCheckRequest,
+    services: ServicesDep,
+    access: AccessDep,
+) -> LessonResult:
+    """Check the robot's motions since the lesson was begun; the attempt goes on."""
+    person = request.person or access.name
+    return services.lessons.check(name, person, request.answers)

@@ -1,4 +1,7 @@
-"""The station at a glance: health, status, the loop, the joints and the hardware."""
+"""The station at a glance: health, status, the loop, the joints and the hardware.
+
+Hardware components also change their states here.
+"""
 
 import platform
 from functools import lru_cache
@@ -10,11 +13,22 @@ import station as package
 from station.api import answers
 from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.errors import ProblemError
-from station.api.routes.routing import problems
-from station.reports import LoopStatistics
-from station.wire import Hardware, Health, JointStates, Ready, Recording, Status
+from station.api.routes.routing import problems, routes_of
+from station.core.control.hardware_components import ComponentState
+from station.reports import HardwareComponentReport, LoopStatistics
+from station.wire import (
+    Hardware,
+    HardwareComponents,
+    HardwareComponentStateRequest,
+    Health,
+    JointStates,
+    Ready,
+    Recording,
+    Status,
+)
 
 router = APIRouter()
+components = routes_of("robot", "/hardware/components")
 
 
 @router.get("/health", tags=["health"], responses=problems(503))
@@ -104,3 +118,30 @@ def reset_statistics(station: StationDep) -> LoopStatistics:
     """Reset the statistics of the loop and of the controllers."""
     station.reset_statistics()
     return station.loop_statistics()
+
+
+@components.get("", responses=problems())
+def list_hardware_components(station: StationDep) -> HardwareComponents:
+    """List the hardware components with their states and interfaces."""
+    return HardwareComponents(components=station.manager.hardware_components())
+
+
+@components.put(
+    "/{name}/state",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 503, 504),
+)
+def set_hardware_component_state(
+    name: str, request: HardwareComponentStateRequest, station: StationDep
+) -> HardwareComponentReport:
+    """Bring a hardware component into a state of its life cycle.
+
+    A component that controllers command leaves its active state only with
+    `stop_controllers`, which stops these controllers first. A component that is not
+    active offers no command interface, and a switch that needs one is refused.
+    """
+    return station.set_hardware_component_state(
+        name,
+        ComponentState(request.state),
+        stop_controllers=request.stop_controllers,
+    )

@@ -10,11 +10,16 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from station import wire
 from station.api import answers
 from station.api.auth import Access, Role
-from station.api.streams.channel import Channel, open_channel
+from station.api.streams.channel import (
+    Channel,
+    Frame,
+    StreamClient,
+    StreamPort,
+    encode,
+    open_channel,
+)
 from station.api.streams.cycle_samples import Data, Payload
-from station.api.streams.frames import Frame, encode
 from station.api.streams.request import StreamRequest
-from station.api.streams.stream_client import StreamClient, StreamPort
 from station.api.streams.topics import Topic
 from station.core.errors import StationError
 from station.core.facade.station import Station

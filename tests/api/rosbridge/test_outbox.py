@@ -7,10 +7,11 @@ import pytest
 from station.api.rosbridge.outbox import (
     MOST_ANSWERS,
     MOST_BYTES,
+    Form,
     Outbox,
+    Publication,
     Subscription,
 )
-from station.api.rosbridge.publication import Form, Publication
 from tests.api.rosbridge.test_publication import payloads
 
 

@@ -8,7 +8,7 @@ import struct
 import pytest
 from PIL import Image
 
-from station.api.rosbridge.publication import Form, Publication, cbor, png, text_frames
+from station.api.rosbridge.outbox import Form, Publication, cbor, png, text_frames
 from station.api.rosbridge.ros_types import checked, serialized
 
 STATE = checked("sensor_msgs/JointState", {"name": ["j"], "position": [0.5, -2.0]})

@@ -8,8 +8,8 @@ import pytest
 from websockets.frames import Opcode
 from websockets.protocol import CLIENT, OPEN, Protocol
 
+from station.api.streams.channel import encode
 from station.api.streams.cycle_samples import Payload
-from station.api.streams.frames import encode
 
 PAYLOAD = Payload(7, 2, 0.5, {"name": ["j"], "position": [0.25], "effort": [math.nan]})
 BATCH = Payload(

@@ -4,8 +4,7 @@ import asyncio
 
 import pytest
 
-from station.api.streams.frames import Frame
-from station.api.streams.stream_client import StreamClient
+from station.api.streams.channel import Frame, StreamClient
 
 
 class Port:
