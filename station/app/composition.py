@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from station.config import StationConfig
-from station.config.validation import RESERVED_NAMES
+from station.config.loading import RESERVED_NAMES
 from station.controllers import CONTROLLERS
 from station.core.clock import Clock, SystemClock
 from station.core.control.controller_loader import default_loaders

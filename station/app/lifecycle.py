@@ -20,8 +20,7 @@ from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.api.cameras import Cameras
 from station.api.server import ApiServer
-from station.app.access import check_exposure, host_names
-from station.app.announcement import Announcement
+from station.app.addresses import Announcement, check_exposure, host_names
 from station.app.composition import ROBOT_NAMESPACE, compose
 from station.app.journal import Journal
 from station.app.recording_start import make_ports, make_recorder

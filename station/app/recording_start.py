@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from station.app.access import host_names, is_loopback
+from station.app.addresses import host_names, is_loopback
 from station.config import StationConfig
 from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf_parser import parse_urdf

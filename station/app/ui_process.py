@@ -11,7 +11,7 @@ from http.client import HTTPConnection, HTTPException
 from typing import Protocol
 
 import station
-from station.app.dashboard_file import DashboardRecord, claim_orphan, dashboard_path
+from station.app.orphaned_dashboard import DashboardRecord, claim_orphan, dashboard_path
 from station.core.errors import StationError
 from station.core.scheduling import ordinary_priority
 from station.local.descriptors import wait_until_readable

@@ -2,17 +2,17 @@
 
 import ssl
 from collections.abc import Sequence
-from typing import Self
+from html import escape
+from typing import Self, TypeVar
 
 import httpx
-from pydantic import JsonValue
+from pydantic import JsonValue, ValidationError
 
 from station import wire
 from station.client.connection import AsyncConnection, Promptness, Query, segment
 from station.client.controllers import AsyncControllersClient, AsyncGoalHandle
 from station.client.lease import AsyncControlLease, AsyncLeaseClient
 from station.client.motion import move_to, start_move
-from station.client.notebook import describe
 from station.client.poses import Pose, Target
 from station.client.robots import AsyncRobotClient, AsyncSimulationClient, Restart
 from station.client.samples import Samples
@@ -31,10 +31,18 @@ from station.client.stores import (
     AsyncTokensClient,
     AsyncWaypointPathsClient,
 )
-from station.client.streams import AsyncCommandStream, AsyncStream, Rate
+from station.client.streams import AsyncCommandStream, AsyncStream, Rate, bearer
 from station.local.station_locator import locate
 from station.local.tls import trust
+from station.wire import Controllers, JointStates, Status
+from station.wire.base import reader_of
 from station.wire.hardware import ComponentStateName
+from station.wire.protocol import PREFIX
+
+ModelT = TypeVar("ModelT")
+
+_SUMMARY_TIMEOUT = 1.0
+"""Longest wait for the station [s]; a cell of a notebook must not hang."""
 
 
 class AsyncStationClient(AsyncControllersClient):
@@ -125,7 +133,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     def _repr_html_(self) -> str:
         """Return the summary of the station that a notebook shows."""
-        return describe(self.url, self._connection.token, tls=self._connection.tls)
+        return summary_html(self.url, self._connection.token, tls=self._connection.tls)
 
     @property
     def url(self) -> str:
@@ -497,3 +505,56 @@ class AsyncStationClient(AsyncControllersClient):
 def _parameter(path: str) -> str:
     parts = [segment(part) for part in path.split("/") if part]
     return "/".join(["/parameters", *parts])
+
+
+def summary_html(
+    url: str,
+    token: str | None,
+    transport: httpx.BaseTransport | None = None,
+    tls: ssl.SSLContext | None = None,
+) -> str:
+    """Return HTML of the station, its running controllers and its joints.
+
+    Args:
+        url: URL of the station.
+        token: Operator or viewer token.
+        transport: Transport of requests; None for httpx's own.
+        tls: TLS context that checks the station's certificate; None for plain HTTP.
+    """
+    title = f"<b>Station</b> <a href='{escape(url)}/docs'>{escape(url)}</a>"
+    try:
+        with httpx.Client(
+            base_url=url + PREFIX,
+            headers=bearer(token),
+            timeout=_SUMMARY_TIMEOUT,
+            transport=transport,
+            trust_env=False,
+            verify=True if tls is None else tls,
+        ) as http:
+            status = _ask(http, "/status", Status)
+            controllers = _ask(http, "/controllers", Controllers)
+            joints = _ask(http, "/joint_states", JointStates)
+    except (httpx.HTTPError, ValidationError) as error:
+        return f"{title}: no answer ({escape(str(error))})"
+    running = [c.name for c in controllers.controllers if c.state == "running"]
+    facts = f"{status.robot_mode}, stop {status.stop_state}, epoch {status.epoch}"
+    rows = "".join(
+        f"<tr><td>{escape(name)}</td><td>{_number(q)}</td><td>{_number(dq)}</td></tr>"
+        for name, q, dq in zip(
+            joints.name, joints.position, joints.velocity, strict=False
+        )
+    )
+    names = escape(", ".join(running) or "nothing")
+    return (
+        f"{title}: {escape(facts)}<br>running: {names}"
+        "<table><tr><th>joint</th><th>position</th><th>velocity</th></tr>"
+        f"{rows}</table>"
+    )
+
+
+def _ask(http: httpx.Client, path: str, model: type[ModelT]) -> ModelT:
+    return reader_of(model).validate_json(http.get(path).raise_for_status().content)
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.4f}"

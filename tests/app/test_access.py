@@ -4,7 +4,7 @@ import socket
 
 import pytest
 
-from station.app.access import (
+from station.app.addresses import (
     ExposedHostError,
     check_exposure,
     host_names,

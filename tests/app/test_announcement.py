@@ -1,6 +1,6 @@
 """The user is told every address, and where the token is."""
 
-from station.app.announcement import Announcement
+from station.app.addresses import Announcement
 
 ANNOUNCEMENT = Announcement(
     api_url="http://127.0.0.1:8000",

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from station.app.dashboard_file import (
+from station.app.orphaned_dashboard import (
     DashboardRecord,
     claim_orphan,
     dashboard_path,

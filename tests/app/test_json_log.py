@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from station.app.json_log import JsonFormatter, set_up_log
+from station.cli.verbs.run import JsonFormatter, set_up_log
 
 pytestmark = pytest.mark.usefixtures("log_as_before")
 

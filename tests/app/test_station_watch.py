@@ -6,8 +6,7 @@ import sys
 
 import pytest
 
-from station.app.dashboard_file import DashboardRecord
-from station.app.station_watch import StationWatch
+from station.app.orphaned_dashboard import DashboardRecord, StationWatch
 from station.local.private_files import process_start
 from station.ui.link.station_access import StationAccess
 from tests.waiting import PATIENCE, wait_until
@@ -15,7 +14,7 @@ from tests.waiting import PATIENCE, wait_until
 ACCESS = StationAccess("http://127.0.0.1:8000", "secret", "")
 PROGRAM = """
 import sys, time
-from station.app.station_watch import StationWatch
+from station.app.orphaned_dashboard import StationWatch
 from station.ui.link.station_access import StationAccess
 import os
 watch = StationWatch(os.getppid(), StationAccess("http://old", "secret", ""), WINDOW)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 
-from station.app.dashboard_file import read_dashboard
+from station.app.orphaned_dashboard import read_dashboard
 from station.app.ui_process import (
     UNKNOWN_CODE,
     PortTakenError,

@@ -5,7 +5,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
-from station.app.watchdog_client import WatchdogError, stop_through_watchdog
+from station.cli.verbs.motion import WatchdogError, stop_through_watchdog
 from tests.waiting import PATIENCE
 
 

@@ -8,9 +8,9 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from station.app.station_watchdog import WatchdogProcess
 from station.app.watchdog.watch import WatchdogSettings
-from station.app.watchdog_client import WatchdogError, stop_through_watchdog
-from station.app.watchdog_process import WatchdogProcess
+from station.cli.verbs.motion import WatchdogError, stop_through_watchdog
 from station.core.loop.heartbeat import LoopLife, Phase
 from tests.app.watchdog.bench import OPERATOR, VIEWER
 from tests.waiting import PATIENCE, wait_until

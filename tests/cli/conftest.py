@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from station.cli.main import main
+from station.cli import main
 from station.client import ApiError, StationClient
 from station.client.blocking import _Source
 from station.core.control.controller_factory import ControllerType as CoreControllerType

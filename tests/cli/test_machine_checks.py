@@ -6,7 +6,7 @@ import socket
 
 import pytest
 
-from station.cli import machine_checks as checks
+from station.cli.verbs import doctor as checks
 from station.compiled import CompilationStatus
 
 

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from station.cli.main import main, normalise
+from station.cli import main, normalise
 from station.client import ApiError
 from tests.waiting import PATIENCE
 
@@ -102,7 +102,7 @@ def test_help_imports_nothing_heavy():
 def test_reader_that_has_enough_is_no_error():
     program = (
         "import sys\nfrom station.cli import output\n"
-        "from station.cli.main import main\n"
+        "from station.cli import main\n"
         "import station.cli.verbs.doctor as verb\n"
         "def endless(_):\n    while True:\n        output.say('x' * 1000)\n"
         "verb.doctor = endless\nsys.exit(main(['doctor']))\n"

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from station.cli.main import main
+from station.cli import main
 from station.cli.parser import Parser, parse
 from station.cli.verbs import VERBS
 

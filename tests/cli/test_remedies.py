@@ -5,23 +5,26 @@ import re
 import pytest
 
 from station.api.errors import ROUTES, STATUS
+from station.cli.errors import REMEDIES, for_terminal
 from station.cli.parser import parse
-from station.cli.remedies import VERBS, for_terminal
 
 WITHOUT_VERB = {"goal_not_found", "loop", "plot_layout_not_found", "stale_epoch"}
 WITHOUT_VERB |= {"waypoint_path_not_found"}
 
 
 def test_every_hint_at_a_route_becomes_a_verb():
-    assert set(ROUTES) - set(VERBS) == WITHOUT_VERB
+    assert set(ROUTES) - set(REMEDIES) == WITHOUT_VERB
 
     for code, hint in ROUTES.items():
         told = for_terminal(code, f"Choose another one. {hint}")
-        assert told == " ".join(["Choose another one.", *VERBS.get(code, "").split()])
+        assert told == " ".join([
+            "Choose another one.",
+            *REMEDIES.get(code, "").split(),
+        ])
 
 
 @pytest.mark.parametrize(
-    "line", re.findall(r"`station ([^`]+)`", " ".join(VERBS.values()))
+    "line", re.findall(r"`station ([^`]+)`", " ".join(REMEDIES.values()))
 )
 def test_the_verbs_exist(line, capsys):
     try:
@@ -33,7 +36,7 @@ def test_the_verbs_exist(line, capsys):
 
 
 def test_the_codes_exist():
-    assert set(VERBS) - {"no_sample"} <= {kind.code for kind in STATUS}
+    assert set(REMEDIES) - {"no_sample"} <= {kind.code for kind in STATUS}
 
 
 @pytest.mark.parametrize(

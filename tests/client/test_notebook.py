@@ -3,7 +3,7 @@
 import httpx
 
 from station.client import StationClient
-from station.client.notebook import describe
+from station.client.station_client import summary_html
 from tests.api.conftest import OPERATOR
 
 
@@ -20,6 +20,6 @@ def test_station_that_does_not_answer_is_told():
     def refuse(request):
         raise httpx.ConnectError("<refused>", request=request)
 
-    html = describe("http://a", None, httpx.MockTransport(refuse))
+    html = summary_html("http://a", None, httpx.MockTransport(refuse))
 
     assert html.endswith("no answer (&lt;refused&gt;)")

@@ -4,8 +4,7 @@ from math import inf
 
 import pytest
 
-from station.config.loading import load_config
-from station.config.validation import validate
+from station.config.loading import load_config, validate
 from station.core.errors import ConfigError
 
 MINIMAL = {

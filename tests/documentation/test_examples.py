@@ -12,7 +12,7 @@ from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.app.composition import compose
-from station.cli.main import main, normalise
+from station.cli import main, normalise
 from station.cli.parser import parse
 from station.client import StationClient
 from station.config import load_config

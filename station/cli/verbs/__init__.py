@@ -55,8 +55,8 @@ switching kill: stop and unload controllers
 gains gains: show or set the gains of a controller; save, compare and apply sets of
     gains
 bench bench: excite a joint and say how it follows; propose and apply gains
-lesson lesson: list, begin and check exercises on the simulated robot
-parameters parameters: read and change the tree of parameters that controllers are
+bench lesson: list, begin and check exercises on the simulated robot
+controllers parameters: read and change the tree of parameters that controllers are
     loaded with
 controllers reload_controller_libraries: let the next load of each type read its Python
     module anew
@@ -85,8 +85,8 @@ robot robot: list the services of a robot, or call one of them
 streams events: print what happened: who did what, with what result
 access control: show who holds control, take it, or give it back
 access token: make, list or revoke named tokens
-agents agents: list what agents ask for; allow or refuse it
-agents mcp: serve an agent that speaks the Model Context Protocol
+access agents: list what agents ask for; allow or refuse it
+access mcp: serve an agent that speaks the Model Context Protocol
 experiments sweep: run a trial for each of many values of parameters
 experiments robustness: run trials under chance loads, friction and delays
 experiments tune: search for better gains with CMA-ES

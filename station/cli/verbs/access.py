@@ -1,26 +1,41 @@
-"""Verbs about rights: `control` of the station and named tokens."""
+"""Verbs about rights: `control`, `token`, `agents` for their requests, and `mcp`."""
 
+import asyncio
+import os
+import secrets
+import signal
 import sys
 import time
 from argparse import Namespace
-from typing import TYPE_CHECKING
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NoReturn
 
-from station.cli.connection import LEASE_VARIABLE, open_client
+from station.cli.connection import LEASE_VARIABLE, locate, open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table, say
 from station.cli.parser import check_words
+from station.core.installation import MissingExtraError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
     from station.cli.parser import Parser
     from station.client import StationClient
-    from station.wire import ControlState
+    from station.wire import ControlState, NewToken
+
+    Verdict = Literal["allowed", "allowed_for_a_time", "refused"]
 
 LOOK_PERIOD = 0.2
 """Time between two checks whether control was lost [s]."""
-
-
 _CONTROL = {"show": "", "take": "owner ttl force", "release": ""}
 _TOKEN = {"create": "name role expires", "list": "", "revoke": "name"}
+VERDICTS: "Mapping[str, Verdict]" = {
+    "allow": "allowed",
+    "allow-for-10-min": "allowed_for_a_time",
+    "refuse": "refused",
+}
 
 
 def add_control(parser: "Parser") -> None:
@@ -106,3 +121,124 @@ def _time(stamp: float | None) -> str:
     if stamp is None:
         return "never"
     return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(stamp))
+
+
+def add_agents(parser: "Parser") -> None:
+    """Add the arguments of `agents`."""
+    add = parser.add_argument
+    add("action", nargs="?", choices=("list", *VERDICTS), default="list")
+    add("number", nargs="?", metavar="NUMBER", help="which request")
+
+
+def agents(options: Namespace) -> int:
+    """List the requests of agents, or answer one.
+
+    Raises:
+        UsageError: An answer was given without the number of a request.
+    """
+    check_words(options, {"list": "", **dict.fromkeys(VERDICTS, "number")})
+    if options.action != "list" and options.number is None:
+        raise UsageError(
+            "Which request? An answer needs its number.", remedy="station agents list"
+        )
+    with open_client(options) as client:
+        if options.action != "list":
+            answered = client.agents.answer(options.number, VERDICTS[options.action])
+            return answer(options, answered, f"It is {answered.verdict}.")
+        found = client.agents.requests()
+    rows = [
+        (r.number, r.agent, r.operation, r.target, r.verdict or "waits") for r in found
+    ]
+    headers = ("number", "agent", "operation", "target", "verdict")
+    return answer_table(options, found, headers, rows)
+
+
+def add_mcp(parser: "Parser") -> None:
+    """Add the arguments of `mcp`."""
+    add = parser.add_argument
+    add("--name", metavar="NAME", help="name of the agent, for people and events")
+    add("--journal", metavar="FILE", type=Path, help="write every call to this file")
+    add(
+        "--replay",
+        metavar="FILE",
+        type=Path,
+        help="make the calls of a journal again, print the answers, and end",
+    )
+
+
+def mcp(options: Namespace) -> int:
+    """Serve an agent over stdin and stdout, with an agent's token.
+
+    Raises:
+        MissingExtraError: The library of the protocol is not installed.
+    """
+    if find_spec("mcp") is None:
+        raise MissingExtraError("mcp")
+    from station.mcp.server import serve
+
+    with _own_token(options) as (url, token):
+        if options.replay is None:
+            asyncio.run(serve(url, token, options.ca, options.journal))
+            return 0
+        return asyncio.run(_replay(url, token, options))
+
+
+async def _replay(url: str, token: str, options: Namespace) -> int:
+    from station.mcp.server import replay
+
+    refused = 0
+    async for tool, is_refused, told in replay(url, token, options.ca, options.replay):
+        refused += is_refused
+        say(f"{tool}: {told}")
+    return 1 if refused else 0
+
+
+@contextmanager
+def _own_token(options: Namespace) -> "Iterator[tuple[str, str]]":
+    """Yield the address of the station, and a token of the role `agent`.
+
+    It uses an agent's token as it is. With an operator's token it makes an agent's
+    token for the time of the body, so that the agent never has the operator's rights.
+    """
+    url, token = locate(options.url, options.token)
+    options.url, options.token = url, token
+    with open_client(options) as client:
+        role = client.session().role
+        if role == "agent" and token is not None:
+            yield url, token
+            return
+        name, made = _made_token(client, options.name)
+        sys.stderr.write(f"The agent is called {name}.\n")
+
+        def end(number: int, _: object) -> NoReturn:
+            # The loop would wait for its thread that reads stdin, perhaps for ever.
+            client.tokens.revoke(name)
+            os._exit(128 + number)
+
+        before = signal.signal(signal.SIGTERM, end)
+        try:
+            yield url, made.token
+        finally:
+            signal.signal(signal.SIGTERM, before)
+            client.tokens.revoke(name)
+
+
+def _made_token(client: "StationClient", wanted: str | None) -> "tuple[str, NewToken]":
+    """Make a token of the role `agent`; return the agent's name and the token.
+
+    If the name is taken, the agent gets a similar one: a host may start its server
+    twice, and a server that is killed leaves its token behind.
+
+    Raises:
+        ApiError: There are too many tokens, or the client may not make any.
+    """
+    unique = f"{wanted or 'agent'}-{secrets.token_hex(2)}"
+    from station.client import ApiError
+
+    if wanted is not None:
+        try:
+            return wanted, client.tokens.create(wanted, "agent")
+        except ApiError as error:
+            if error.code != "token_exists":
+                raise
+    return unique, client.tokens.create(unique, "agent")

@@ -1,12 +1,16 @@
 """Verbs `run` and `fci`, which run until Ctrl-C, and `fetch_robot`."""
 
+import json
 import logging
 import os
 import sys
 import threading
 from argparse import ArgumentTypeError, Namespace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from typing_extensions import override
 
 from station.cli.output import answer, say_now, say_now_json, say_progress
 from station.cli.parser import ROBOT, add_base, add_controllers
@@ -19,7 +23,7 @@ from station.cli.verbs.fci_check import (
 )
 
 if TYPE_CHECKING:
-    from station.app.announcement import Announcement
+    from station.app.addresses import Announcement
     from station.cli.parser import Parser
 
 _log = logging.getLogger("station")
@@ -40,6 +44,7 @@ ENDED_BY_WATCHDOG = 3
 """Exit code of a station that the watchdog has ended; 137 when it had to be killed."""
 LONGEST_PATIENCE = 10.0
 """Longest wait for a late command of a program of libfranka [s]."""
+_JSON = "json"
 
 
 def add_run(parser: "Parser") -> None:
@@ -197,7 +202,6 @@ def _argument(text: str) -> tuple[str, str]:
 
 def run(options: Namespace) -> int:
     """Run a station until Ctrl-C; return 3 when the watchdog has ended it."""
-    from station.app.json_log import JSON, set_up_log
     from station.app.lifecycle import StationRun
     from station.app.panda_fetch import fetch_what_is_missing
     from station.app.station_watchdog import EndedByWatchdogError
@@ -228,7 +232,7 @@ def run(options: Namespace) -> int:
         config,
         tell=_tell_json if options.json else _tell,
         tell_dashboard=_tell_dashboard_json if options.json else _tell_dashboard,
-        warn=_log.warning if options.log_format == JSON else _warn,
+        warn=_log.warning if options.log_format == _JSON else _warn,
     )
     try:
         station.run()
@@ -326,3 +330,44 @@ def fetch_robot(options: Namespace) -> int:
 
     directory = fetch_panda(say_progress)
     return answer(options, {"directory": str(directory)}, str(directory))
+
+
+class JsonFormatter(logging.Formatter):
+    """Writes a record with `time`, `level`, `logger`, `message`.
+
+    A record may also have `request_id` and `exception` (the traceback).
+    """
+
+    @override
+    def format(self, record: logging.LogRecord) -> str:
+        line: dict[str, object] = {
+            "time": datetime.fromtimestamp(record.created, UTC).isoformat(),
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "message": record.getMessage(),
+        }
+        request_id = getattr(record, "request_id", None)
+        if request_id is not None:
+            line["request_id"] = request_id
+        if record.exc_info:
+            line["exception"] = self.formatException(record.exc_info)
+        return json.dumps(line, default=str)
+
+
+def set_up_log(form: str) -> None:
+    """Make the process log to stderr.
+
+    Args:
+        form: `text` is for people and has warnings only; `json` is for programs and
+            also has the requests that changed something or were refused.
+    """
+    handler = logging.StreamHandler()
+    if form == _JSON:
+        from station.web.request_id import RequestIdFilter
+
+        handler.setFormatter(JsonFormatter())
+        handler.addFilter(RequestIdFilter())
+        logging.getLogger("station").setLevel(logging.INFO)
+    else:
+        handler.setFormatter(logging.Formatter("%(levelname)s: %(message)s"))
+    logging.getLogger().addHandler(handler)

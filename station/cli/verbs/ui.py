@@ -5,8 +5,8 @@ import os
 from argparse import SUPPRESS, Namespace
 from typing import TYPE_CHECKING
 
-from station.app.access import host_names
-from station.app.station_watch import StationWatch
+from station.app.addresses import host_names
+from station.app.orphaned_dashboard import StationWatch
 from station.app.ui_process import VIEWER_VARIABLE, PortTakenError
 from station.cli.connection import locate
 from station.cli.output import say_now, say_now_json, say_progress

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from station.cli.machine_checks import Finding
+from station.cli.verbs.doctor import Finding
 
 
 @pytest.fixture

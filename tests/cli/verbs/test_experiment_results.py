@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from station.cli.main import main
+from station.cli import main
 from station.client import ApiError
 from station.trials.results import Results, file_of
 from station.trials.trial import Script, Setup, Trial, TrialResult

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from station.app.in_process import InProcessStation
-from station.cli.main import main
+from station.cli import main
 from station.cli.parser import parse
 from station.cli.verbs import experiments
 from station.experiments.pools import InThisProcess

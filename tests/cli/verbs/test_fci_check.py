@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from station.cli.main import main
+from station.cli import main
 from station.cli.parser import parse
 from station.cli.verbs import fci_check
 

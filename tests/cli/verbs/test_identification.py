@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from station.cli.main import main
+from station.cli import main
 
 
 def test_identify_prints_what_it_finds(capsys, tmp_path):

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from station.app.watchdog_client import WatchdogStop
-from station.cli.main import main
+from station.cli import main
+from station.cli.verbs.motion import WatchdogStop
 from station.client import StationUnreachableError
 from station.wire import StopState
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.cli.main import main
+from station.cli import main
 
 
 @pytest.mark.parametrize("wrong", ["mass", "=1", "a b=1", "1x=2"])

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from station.app.announcement import Announcement
+from station.app.addresses import Announcement
 from station.app.fci_run import FciRun
 from station.app.station_watchdog import EndedByWatchdogError
-from station.cli.main import main
+from station.cli import main
 from station.cli.parser import parse
 from station.hw.franka.fci.server.fci_server import FciCounts
 
@@ -144,7 +144,7 @@ def test_a_factor_out_of_range_is_refused_with_the_range(run, started, factor):
 @pytest.mark.usefixtures("started")
 def test_the_log_can_be_json(run, monkeypatch):
     forms = []
-    monkeypatch.setattr("station.app.json_log.set_up_log", forms.append)
+    monkeypatch.setattr("station.cli.verbs.run.set_up_log", forms.append)
 
     run("run")
     found = run("run --log-format json")

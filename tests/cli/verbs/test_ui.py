@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from station.app.station_watch import StationWatch
+from station.app.orphaned_dashboard import StationWatch
 
 pytest.importorskip("station.ui.main")
 

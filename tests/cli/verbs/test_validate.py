@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from station.cli.main import main
+from station.cli import main
 
 ROOT = Path(__file__).parents[3]
 
