@@ -6,7 +6,7 @@ of the type is loaded.
 
 _MODULES = {
     "admittance_controller/AdmittanceController": "admittance_controller",
-    "battery_state_broadcaster/BatteryStateBroadcaster": "semantic_sensor_broadcasters",
+    "battery_state_broadcaster/BatteryStateBroadcaster": "sensor_controllers",
     "chained_filter_controller/ChainedFilter": "chained_filter_controller",
     "diff_drive_controller/DiffDriveController": "diff_drive_controller",
     "effort_controllers/GripperActionController": "gripper_action_controller:Effort",
@@ -21,10 +21,10 @@ _MODULES = {
     "effort_controllers/JointPositionController": "effort_controllers",
     "effort_controllers/JointVelocityController": "effort_controllers",
     "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
-        "force_torque_sensor_controller"
+        "sensor_controllers"
     ),
     "force_torque_sensor_controller/ForceTorqueSensorController": (
-        "force_torque_sensor_controller"
+        "sensor_controllers"
     ),
     "franka_controllers/CartesianJogController": "cartesian_motion",
     "franka_controllers/CartesianStreamingController": "cartesian_motion",
@@ -57,12 +57,12 @@ _MODULES = {
     ),
     "franka_control/FrankaStateController": "franka_state_controller",
     "gpio_controllers/GpioCommandController": "gpio_controllers",
-    "gps_sensor_broadcaster/GPSSensorBroadcaster": "semantic_sensor_broadcasters",
+    "gps_sensor_broadcaster/GPSSensorBroadcaster": "sensor_controllers",
     "impedance_controllers/CartesianImpedanceController": "impedance_controllers",
     "impedance_controllers/JointImpedanceController": "impedance_controllers",
-    "imu_sensor_controller/ImuSensorController": "imu_sensor_controller",
+    "imu_sensor_controller/ImuSensorController": "sensor_controllers",
     "joint_state_controller/JointStateController": "joint_state_controller",
-    "magnetometer_broadcaster/MagnetometerBroadcaster": "semantic_sensor_broadcasters",
+    "magnetometer_broadcaster/MagnetometerBroadcaster": "sensor_controllers",
     "parallel_gripper_action_controller/GripperActionController": (
         "gripper_action_controller:Parallel"
     ),
@@ -83,7 +83,7 @@ _MODULES = {
         "joint_trajectory_controller:Position"
     ),
     "position_controllers/JointPositionController": "position_controllers",
-    "range_sensor_broadcaster/RangeSensorBroadcaster": "semantic_sensor_broadcasters",
+    "range_sensor_broadcaster/RangeSensorBroadcaster": "sensor_controllers",
     "velocity_controllers/JointGroupVelocityController": "velocity_controllers",
     "velocity_controllers/JointTrajectoryController": (
         "joint_trajectory_controller:Velocity"

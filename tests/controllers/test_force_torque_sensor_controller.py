@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.controllers.force_torque_sensor_controller import (
+from station.controllers.sensor_controllers import (
     ForceTorqueSensorBroadcaster,
     ForceTorqueSensorController,
 )

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.controllers.imu_sensor_controller import ImuSensorController
+from station.controllers.sensor_controllers import ImuSensorController
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import ImuSensorHandle, ImuSensorInterface
 

@@ -4,9 +4,7 @@
 `CartesianJogController` moves an end effector while a button is held.
 """
 
-from station.controllers.cartesian_motion.cartesian_jog_controller import (
+from station.controllers.cartesian_motion.jog_and_streaming_controllers import (
     CartesianJogController as CartesianJogController,
-)
-from station.controllers.cartesian_motion.cartesian_streaming_controller import (
     CartesianStreamingController as CartesianStreamingController,
 )

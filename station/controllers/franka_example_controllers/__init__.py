@@ -1,9 +1,7 @@
 """The example controllers of franka_ros: how each interface of an arm is used."""
 
-from station.controllers.franka_example_controllers.cartesian_impedance_controller import (  # noqa: E501 - the module's name
+from station.controllers.franka_example_controllers.cartesian_impedance_controllers import (  # noqa: E501 - the module's name
     CartesianImpedanceExampleController as CartesianImpedanceExampleController,
-)
-from station.controllers.franka_example_controllers.dual_arm_cartesian_impedance_controller import (  # noqa: E501 - the module's name
     DualArmCartesianImpedanceExampleController as DualArmCartesianImpedanceExampleController,  # noqa: E501
 )
 from station.controllers.franka_example_controllers.example_motions import (
@@ -13,13 +11,9 @@ from station.controllers.franka_example_controllers.example_motions import (
     JointPositionExampleController as JointPositionExampleController,
     JointVelocityExampleController as JointVelocityExampleController,
 )
-from station.controllers.franka_example_controllers.force_controller import (
+from station.controllers.franka_example_controllers.example_torques import (
     ForceExampleController as ForceExampleController,
-)
-from station.controllers.franka_example_controllers.joint_impedance_controller import (
     JointImpedanceExampleController as JointImpedanceExampleController,
-)
-from station.controllers.franka_example_controllers.model_controller import (
     ModelExampleController as ModelExampleController,
 )
 from station.controllers.franka_example_controllers.teleop_joint_pd_controller import (

@@ -4,13 +4,11 @@ A `JointStreamingController` follows positions that arrive 10 to 100 times a sec
 `JointJogController` moves joints while a button is held.
 """
 
-from station.controllers.smoothed_motion.joint_jog_controller import (
+from station.controllers.smoothed_motion.smoothed_motion_controller import (
     EffortJointJogController as EffortJointJogController,
-    JointJogController as JointJogController,
-    PositionJointJogController as PositionJointJogController,
-)
-from station.controllers.smoothed_motion.joint_streaming_controller import (
     EffortJointStreamingController as EffortJointStreamingController,
+    JointJogController as JointJogController,
     JointStreamingController as JointStreamingController,
+    PositionJointJogController as PositionJointJogController,
     PositionJointStreamingController as PositionJointStreamingController,
 )

@@ -2,13 +2,13 @@
 
 import pytest
 
-from station.controllers.cartesian_motion.cartesian_jog_controller import (
-    TwistSetPointPort,
-)
 from station.controllers.cartesian_motion.cartesian_limits import (
     ROTATION,
     TRANSLATION,
     CartesianLimits,
+)
+from station.controllers.cartesian_motion.jog_and_streaming_controllers import (
+    TwistSetPointPort,
 )
 from station.core.errors import InvalidCommandError
 

@@ -5,7 +5,7 @@ from math import cos, sin
 import numpy as np
 import pytest
 
-from station.controllers.franka_example_controllers.dual_arm_cartesian_impedance_controller import (  # noqa: E501
+from station.controllers.franka_example_controllers.cartesian_impedance_controllers import (  # noqa: E501
     matrix_of,
     quaternion_of,
 )

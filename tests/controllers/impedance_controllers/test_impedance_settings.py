@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from station.controllers.impedance_controllers.impedance_settings import (
+from station.controllers.impedance_controllers import (
     damping_matrix,
 )
 

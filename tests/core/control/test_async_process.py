@@ -15,7 +15,7 @@ from station.core.hardware.async_robot_hw import AsyncRobotHW
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.parameters import Parameters, ParameterTree
 from station.core.ports.set_point import SetPointElement, SetPointPort
-from station.hw.mock.mock_robot_hw import MockRobotHW
+from station.hw.mock import MockRobotHW
 from station.testing.bench import Bench
 from tests.waiting import wait_until
 

@@ -1,4 +1,8 @@
-"""Move an end effector at a twist for as long as the set-point is repeated."""
+"""Move an end effector at a twist while told to, or after poses that keep arriving.
+
+Twists count for as long as they are repeated; poses arrive 10 to 100 times a second,
+e.g. from a policy.
+"""
 
 from collections.abc import Mapping
 from math import sqrt
@@ -10,15 +14,21 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
     LONGEST_TIMEOUT,
     CartesianMotionController,
 )
-from station.controllers.cartesian_motion.end_effector_sample import TwistSample
+from station.controllers.cartesian_motion.end_effector_sample import (
+    PoseSample,
+    TwistSample,
+)
+from station.controllers.franka_arm import PosePort
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, declare_string
 from station.core.errors import InvalidCommandError, InvalidGainError
 from station.core.franka import Frame
 from station.core.hardware.robot_hw import RobotHW
-from station.core.numerics.poses import to_outer_axes
+from station.core.numerics.poses import pose_of, to_outer_axes
+from station.core.numerics.rigid_motion import numbers_of
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement, SetPointPort
+from station.memory.doubles import zeros
 
 _ROUNDING = 1e-9
 
@@ -146,3 +156,48 @@ def _check_frame(values: Mapping[str, float]) -> None:
             f"Gain '{_FRAME.name}' is {values[_FRAME.name]}; it must be 0 or 1.",
             remedy="Send 0 for the axes of the base, 1 for the end effector's.",
         )
+
+
+class CartesianStreamingController(CartesianMotionController):
+    """Moves to the newest pose as fast as the limits allow.
+
+    A set-point is the pose of the end effector in the base frame O: position [m], then
+    unit quaternion x y z w. The end effector would rest at this pose, and position and
+    orientation would arrive together, unless another set-point follows. When no
+    set-point arrives within `command_timeout`, the end effector comes to rest and
+    holds.
+    """
+
+    cycle_sample: PoseSample
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        super().init(hw, params)
+        self._resting: list[float] = []
+
+    @override
+    def make_sample(self) -> PoseSample:
+        source = self.model.pose_source(Frame.END_EFFECTOR)
+        return PoseSample(self.generator.pose, source)
+
+    @override
+    def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
+        return PosePort(
+            "xyzw", tolerance=0.01, timeout=timeout, longest=LONGEST_TIMEOUT
+        )
+
+    @override
+    def rest(self) -> list[float]:
+        resting = zeros(7)
+        near = self.cycle_sample.near
+        numbers_of(self.generator.resting_pose(), near, resting)
+        self._resting = [*resting]
+        return self._resting
+
+    @override
+    def steer(self, set_point: list[float]) -> bool:
+        if set_point is self._resting:
+            self.generator.brake()
+        else:
+            self.generator.go_to(pose_of(set_point[:3], set_point[3:]))
+        return True

@@ -1,10 +1,11 @@
-"""Hold an object between two arms by two springs that follow one frame.
+"""Hold an end effector like a spring, or an object between two arms by two springs.
 
 Source: franka_ros@c11f000 franka_example_controllers,
-src/dual_arm_cartesian_impedance_example_controller.cpp; differs: the target of the
-centering frame arrives as a set-point of 7 numbers in the base frame of the left arm,
-the stiffnesses are run-time parameters, and the poses of the arms' bases are read from
-the robot description.
+src/cartesian_impedance_example_controller.cpp and
+src/dual_arm_cartesian_impedance_example_controller.cpp; differs: the equilibrium pose,
+or the target of the centering frame in the base frame of the left arm, arrives as a
+set-point of 7 numbers that may expire; the stiffnesses are run-time parameters; and the
+poses of the two arms' bases are read from the robot description.
 """
 
 from collections.abc import Mapping
@@ -18,6 +19,7 @@ from typing_extensions import override
 from station.controllers.franka_arm import (
     ARM_ID,
     JOINT_NAMES,
+    ArmTorqueController,
     claim_torques,
     find_model,
     find_state,
@@ -43,6 +45,16 @@ from station.core.parameters import Parameters
 from station.core.ports.set_point import timeout_parameters
 from station.core.toolbox.publish_timer import PublishTimer
 
+_ONE_ARM_DEFAULTS = {
+    "translational_stiffness": 200.0,
+    "rotational_stiffness": 10.0,
+    "nullspace_stiffness": 0.5,
+}
+_ONE_ARM_SCHEMA = {
+    "translational_stiffness": Tunable("N/m", 0.0, 400.0),
+    "rotational_stiffness": Tunable("Nm/rad", 0.0, 30.0),
+    "nullspace_stiffness": Tunable("Nm/rad", 0.0, 100.0),
+}
 RATE_HZ = 30.0
 """How often the centering frame is published."""
 ARMS = ("left", "right")
@@ -57,6 +69,54 @@ _DEFAULTS = {
 _SCHEMA = {
     f"{arm}_{kind}_stiffness": each for arm in ARMS for kind, _, each in _STIFFNESSES
 }
+
+
+class CartesianImpedanceExampleController(ArmTorqueController):
+    """A spring between the end effector and an equilibrium pose.
+
+    Parameters: `arm_id`; `joint_names`, 7 names; `command_timeout` and
+    `command_timeout_action`, see `TimeoutAction`. Set-point, topic `equilibrium_pose`
+    of the original: position [m], then quaternion w x y z, of the end effector in the
+    base frame. When the set-point expires, the equilibrium stays where it is then.
+    """
+
+    own_parameters = timeout_parameters()
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        arm_id, names = read_arm_id(params), read_arm_joints(params)
+        self._spring = CartesianSpring(
+            claim_torques(hw, names),
+            find_state(hw, arm_id),
+            find_model(hw, arm_id),
+            is_angle=False,
+        )
+        self.joint_names = names
+        self._target = PoseTarget(params, arm_id, self._spring.equilibrium)
+        self.set_points = self._target.port
+        self.tunables = Tunables(
+            _ONE_ARM_SCHEMA, _ONE_ARM_DEFAULTS, apply=self._set_stiffness
+        )
+        self._update = self._target.follow(self._spring)
+
+    @override
+    def starting(self, time: float) -> None:
+        """Make the present pose the equilibrium, at which the spring has no force."""
+        gains = self.tunables.values
+        self._spring.start_at_rest(gains["nullspace_stiffness"])
+        self._set_stiffness(gains)
+        self._target.start_at_rest()
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._update.command_springs(time)
+
+    def _set_stiffness(self, gains: Mapping[str, float]) -> None:
+        self._spring.set_stiffness(
+            gains["translational_stiffness"],
+            gains["rotational_stiffness"],
+            gains["nullspace_stiffness"],
+        )
 
 
 class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
