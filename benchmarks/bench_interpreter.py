@@ -23,7 +23,7 @@ from measuring import REPEATS, print_table, print_title, simulated_world
 from station.app.composition import compose
 from station.config import load_config
 from station.core.scheduling import SWITCH_INTERVAL
-from station.hw.mujoco.stepper import direct_function
+from station.hw.mujoco.world import direct_function
 
 CALLS = 400
 PAUSE = 0.001

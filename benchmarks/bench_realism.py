@@ -24,7 +24,7 @@ from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.realism import TYPICAL
-from station.hw.mujoco.push import Push
+from station.hw.mujoco.world import Push
 
 CONTROLLER = "effort_joint_trajectory_controller"
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]

@@ -30,7 +30,7 @@ from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf import Pose
 from station.core.description.urdf_repair import repair_urdf
 from station.core.geometry.scene import SceneObject
-from station.hw.mujoco.scene import add_object
+from station.hw.mujoco.model_builder import add_object
 from station.wire import (
     JointStates,
     Scene,

@@ -1,9 +1,12 @@
-"""Publish the readings of force-torque sensors: all at a rate, or one filtered.
+"""Publish the readings of sensors: wrenches, motions, ranges, fields, places, charge.
 
 Source: ros_controllers@678b92a force_torque_sensor_controller/src/
-force_torque_sensor_controller.cpp; ros2_controllers@4.x
-force_torque_sensor_broadcaster/src/force_torque_sensor_broadcaster.cpp;
-geometry_msgs/WrenchStamped.msg.
+force_torque_sensor_controller.cpp, imu_sensor_controller/src/imu_sensor_controller.cpp;
+ros2_controllers@4.x force_torque_sensor_broadcaster/src/
+force_torque_sensor_broadcaster.cpp; ros2_controllers@6.x range_sensor_broadcaster,
+magnetometer_broadcaster, gps_sensor_broadcaster, battery_state_broadcaster;
+geometry_msgs WrenchStamped.msg; sensor_msgs Imu.msg, Range.msg, MagneticField.msg,
+NavSatFix.msg, BatteryState.msg.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,7 +42,7 @@ from station.core.parameters import Parameters
 from station.core.toolbox.filters import FilterChain
 from station.core.toolbox.publish_timer import PublishTimer
 
-_UNKNOWN = [-1.0] + [0.0] * 8
+_UNKNOWN_COVARIANCE = [-1.0] + [0.0] * 8
 
 
 class WrenchStamped(NamedTuple):
@@ -107,7 +110,7 @@ FRAME_ID = declare_string("frame_id", "name of the frame of the published values
 _FILTERS = declare_mappings(
     "sensor_filter_chain", "filters of what is measured", default_text="none"
 )
-_AXES = tuple(f"{kind}/{axis}" for kind in ("force", "torque") for axis in "xyz")
+_WRENCH_AXES = tuple(f"{kind}/{axis}" for kind in ("force", "torque") for axis in "xyz")
 
 
 def _corrections(name: str, default: float, text: str) -> list[DeclaredParameter]:
@@ -118,7 +121,7 @@ def _corrections(name: str, default: float, text: str) -> list[DeclaredParameter
             default,
             "" if name == "multiplier" else "N" if "force" in axis else "Nm",
         )
-        for axis in _AXES
+        for axis in _WRENCH_AXES
     ]
 
 
@@ -257,7 +260,7 @@ def _measured(
 ) -> tuple[list[float], list[float]]:
     """Return values and covariance, marked as the message requires when unknown."""
     if covariance is None:
-        covariance = list(_UNKNOWN) if values is None else [0.0] * 9
+        covariance = list(_UNKNOWN_COVARIANCE) if values is None else [0.0] * 9
     return [0.0] * size if values is None else values, covariance
 
 
@@ -398,12 +401,23 @@ class GPSSensorBroadcaster(ValuesBroadcaster):
 
 
 _BATTERIES = declare_strings("batteries", "the batteries")
-_MEANS = ("temperature", "current", "percentage")
+_BATTERY_MEANS = ("temperature", "current", "percentage")
 """Of several batteries the means are published; charges and capacities are added."""
-_FLAGS = (*_MEANS, "charge", "power_supply_status", "power_supply_health", "present")
-_INTERFACES = tuple(f"battery_{key}" for key in _FLAGS)
-_PROPERTIES = ("capacity", "design_capacity", "minimum_voltage", "maximum_voltage")
-_MORE = ("power_supply_technology", "location", "serial_number")
+_BATTERY_FLAGS = (
+    *_BATTERY_MEANS,
+    "charge",
+    "power_supply_status",
+    "power_supply_health",
+    "present",
+)
+_BATTERY_INTERFACES = tuple(f"battery_{key}" for key in _BATTERY_FLAGS)
+_BATTERY_PROPERTIES = (
+    "capacity",
+    "design_capacity",
+    "minimum_voltage",
+    "maximum_voltage",
+)
+_BATTERY_MORE = ("power_supply_technology", "location", "serial_number")
 
 
 class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
@@ -427,8 +441,8 @@ class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
         self._batteries = [
             _Battery(
                 interface.get_handle(name),
-                _mapping(params, f"interfaces/{name}", _INTERFACES),
-                _mapping(params, name, (*_PROPERTIES, *_MORE)),
+                _mapping(params, f"interfaces/{name}", _BATTERY_INTERFACES),
+                _mapping(params, name, (*_BATTERY_PROPERTIES, *_BATTERY_MORE)),
             )
             for name in names
         ]
@@ -438,7 +452,7 @@ class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
         each = [battery.message(time) for battery in self._batteries]
         whole: dict[str, Any] = {**each[0], "frame_id": ""}
         whole["voltage"] = sum(one["voltage"] for one in each) / len(each)
-        for key in _MEANS:
+        for key in _BATTERY_MEANS:
             known = [one[key] for one in each if isfinite(one[key])]
             whole[key] = sum(known) / len(known) if known else nan
         for key in ("charge", "capacity", "design_capacity"):
@@ -465,13 +479,15 @@ class _Battery:
         own: Mapping[str, object],
     ) -> None:
         self._sensor = sensor
-        self._measured = [key for key in _FLAGS if flags.get(f"battery_{key}") is True]
+        self._measured = [
+            key for key in _BATTERY_FLAGS if flags.get(f"battery_{key}") is True
+        ]
         for key in self._measured:
             _require(sensor, f"battery_{key}")
         # A property that nobody knows may be written as NaN.
         numbers = {
             key: float(value) if isinstance(value := own.get(key), int | float) else nan
-            for key in _PROPERTIES
+            for key in _BATTERY_PROPERTIES
         }
         self._low = numbers.pop("minimum_voltage")
         self._high = numbers.pop("maximum_voltage")

@@ -23,7 +23,7 @@ from station.experiments.disturbances import (
     Mechanics,
     world_of,
 )
-from station.hw.mujoco.push import Push as WorldPush
+from station.hw.mujoco.world import Push as WorldPush
 from station.trials.errors import ExperimentError
 from station.trials.metrics import Counts, measure
 from station.trials.parameters import Overrides, gains_under, sort_out

@@ -6,9 +6,7 @@ concerns only the robots that use it.
 """
 
 HARDWARE: dict[str, str] = {
-    "combined_robot_hw/CombinedRobotHW": (
-        "station.hw.combined_robot_hw:CombinedRobotHW"
-    ),
+    "combined_robot_hw/CombinedRobotHW": ("station.hw.robot_loader:CombinedRobotHW"),
     "franka_hw/FrankaCombinableHW": (
         "station.hw.franka.franka_combined_hw:FrankaCombinableHW"
     ),

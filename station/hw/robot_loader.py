@@ -1,9 +1,13 @@
-"""Find a robot by its type: the table, installed packages, or any Python class."""
+"""Find a robot by its type: the table, installed packages, or any Python class.
+
+`CombinedRobotHW` is several robots as one, found in the same way.
+"""
 
 import importlib
 from importlib.metadata import entry_points
 
 from station.core.errors import StationError
+from station.core.hardware import combined_robot_hw
 from station.core.hardware.robot_hw import RobotHW
 from station.core.installation import missing_extra
 from station.hw import HARDWARE
@@ -69,3 +73,10 @@ def find_robot(robot_type: str) -> type[RobotHW]:
             remedy="Derive it from station.core.hardware.robot_hw.RobotHW.",
         )
     return found
+
+
+class CombinedRobotHW(combined_robot_hw.CombinedRobotHW):
+    """Type `combined_robot_hw/CombinedRobotHW` of the configuration."""
+
+    def __init__(self) -> None:
+        super().__init__(create_robot)

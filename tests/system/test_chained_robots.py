@@ -6,7 +6,7 @@ import pytest
 from station.core.description.robot_files import load_robot_files
 from station.core.hardware.interfaces import ForceTorqueSensorInterface
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
-from station.hw.mujoco.push import Push
+from station.hw.mujoco.world import Push
 from station.testing import Bench
 
 UR5, TIAGO = "example-robot-data:ur5", "example-robot-data:tiago_no_hand"

@@ -10,7 +10,7 @@ from station.core.clock import ManualClock
 from station.core.control.switching import SwitchRequest
 from station.core.facade.station import Station
 from station.hw.franka.franka_hw import FrankaHW
-from station.hw.mujoco.overspeed_brakes import BRAKES
+from station.hw.mujoco.stops_and_brakes import BRAKES
 
 NAME = "effort_group_position_controller"
 STEPS = [

@@ -18,15 +18,14 @@ from station.core.franka.franka_services import CollisionBehavior
 from station.core.hardware.limits import LimitMode
 from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_description import joint_names
-from station.hw.franka.arm.arm_limits import LIMITS_OF_ARM, ArmLimits
+from station.hw.franka.arm.arm_limits import LIMITS_OF_ARM, ArmLimits, SupervisorLimits
 from station.hw.franka.arm.collision_behavior import (
     DEFAULT_COLLISION_BEHAVIOR,
     collision_behavior_problem,
 )
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, ControllerMode
 from station.hw.franka.arm.service_limits import ServiceLimits
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.hw.franka.commands.command_settings import CommandSettings
+from station.hw.franka.commands.rate_limiter import CommandSettings
 
 _DOF = 7
 _INTERNAL_CONTROLLERS = {

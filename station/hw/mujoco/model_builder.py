@@ -1,8 +1,8 @@
-"""Build a MuJoCo model from robots described by URDFs.
+"""Build a MuJoCo model from robots described by URDFs and objects of a scene.
 
 `new_world` makes an empty world, `add_robot` puts a robot into it (any number of
-robots, and more than one of a kind, under different names), and `compile_world` makes
-the model. This module contains nothing about particular robots.
+robots, and more than one of a kind, under different names), `add_object` an object, and
+`compile_world` makes the model. This module contains nothing about particular robots.
 
 Names: a body has its link's name. A link without mass and shapes becomes a site of the
 same name on the link that carries it. A joint's motor has the joint's name.
@@ -32,6 +32,7 @@ from station.core.description.urdf import (
 )
 from station.core.errors import RobotDescriptionError
 from station.core.geometry.mesh_files import check_mesh_file
+from station.core.geometry.scene import SceneObject
 from station.hw.mujoco.bases import BaseType, add_base_joints
 from station.hw.mujoco.inertia import carried_inertials, combine, is_rigid_body
 
@@ -471,3 +472,43 @@ class _RobotBuilder:
 
 def _has_motor(joint: Joint) -> bool:
     return joint.limit is None or joint.limit.effort != 0.0
+
+
+def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:
+    """Add an object to the world; an object with a mass can be pushed.
+
+    Args:
+        spec: The world; changed.
+        thing: The object.
+    """
+    if not thing.solid:
+        return
+    pose = thing.pose()
+    body = spec.worldbody.add_body(
+        name=thing.name, pos=[*pose.xyz], quat=pose.quaternion
+    )
+    geom = body.add_geom(name=thing.name)
+    geom.friction[0] = thing.friction
+    match thing.kind:
+        case "sphere":
+            geom.type = mujoco.mjtGeom.mjGEOM_SPHERE
+            geom.size[0] = thing.size[0]
+        case "cylinder":
+            geom.type = mujoco.mjtGeom.mjGEOM_CYLINDER
+            geom.size[:2] = [thing.size[0], thing.size[1] / 2.0]
+        case "capsule":
+            geom.type = mujoco.mjtGeom.mjGEOM_CAPSULE
+            geom.size[:2] = [thing.size[0], thing.size[1] / 2.0]
+        case "half_space":
+            geom.type = mujoco.mjtGeom.mjGEOM_PLANE
+            geom.size = [1.0, 1.0, 1.0]
+        case "mesh":
+            geom.type = mujoco.mjtGeom.mjGEOM_MESH
+            geom.meshname = thing.name
+            spec.add_mesh(name=thing.name, file=thing.file, info=thing.file)
+        case _:
+            geom.type = mujoco.mjtGeom.mjGEOM_BOX
+            geom.size = [edge / 2.0 for edge in thing.size]
+    if thing.mass > 0.0:
+        geom.mass = thing.mass
+        body.add_freejoint(name=thing.name)

@@ -51,9 +51,12 @@ from station.core.hardware.transmissions.hardware_interface_kind import interfac
 from station.core.parameters import Parameters
 from station.hw.mujoco.bases import RollingBase, joints_of_base
 from station.hw.mujoco.description_repair import log_repairs, repair_robot
-from station.hw.mujoco.hard_stops import add_hard_stops
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
-from station.hw.mujoco.joint_command_modes import COMMAND_INTERFACES, JointCommandModes
+from station.hw.mujoco.joint_command_modes import (
+    COMMAND_INTERFACES,
+    JointCommandModes,
+    read_simulated_pids,
+)
 from station.hw.mujoco.joint_drives import JointDrives
 from station.hw.mujoco.mujoco_robot_parameters import (
     MujocoRobotParameters,
@@ -66,7 +69,7 @@ from station.hw.mujoco.ros2_control_tags import TaggedRobot, read_tagged_robot
 from station.hw.mujoco.sensors import WorldSensors
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.simulated_motors import SimulatedMotors
-from station.hw.mujoco.simulated_pid import read_simulated_pids
+from station.hw.mujoco.stops_and_brakes import add_hard_stops
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import UnpoweredJoints
 from station.hw.simulated_gpios import SimulatedGpios

@@ -17,13 +17,13 @@ from station.core.geometry.scene import SceneObject
 from station.hw.mujoco.joint_drives import VELOCITY_GAIN
 from station.hw.mujoco.model_builder import (
     RobotOptions,
+    add_object,
     add_robot,
     compile_world,
     new_world,
 )
 from station.hw.mujoco.mujoco_robot_parameters import MujocoRobotParameters
 from station.hw.mujoco.robot_transmissions import driven_joints
-from station.hw.mujoco.scene import add_object
 from station.hw.mujoco.sensors import add_sensors
 from station.hw.mujoco.world import World
 

@@ -1,18 +1,26 @@
-"""The simulated world: owns MuJoCo's model and data, and advances them in time."""
+"""The simulated world: owns MuJoCo's model and data, pushes and advances them in time.
 
+MuJoCo's Python binding releases the interpreter lock in `mj_step`. A busy thread then
+takes the lock, and the control loop waits for it longer than the step lasts. The same C
+function keeps the lock if it is called through `ctypes.PyDLL`.
+"""
+
+import ctypes
 from collections import deque
-from collections.abc import Mapping, Sequence
-from typing import Protocol
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
 
 import mujoco
+import numpy as np
 
 from station.core.description.urdf import Pose
 from station.core.errors import HardwareInterfaceError, suggest
 from station.core.geometry.scene import SceneObject
 from station.core.hardware.robot_report import SceneObjectReport
-from station.hw.mujoco.overspeed_brakes import MAX_SQUARED_VELOCITY, OverspeedBrakes
-from station.hw.mujoco.push import AppliedPush, Push
-from station.hw.mujoco.stepper import make_stepper
+from station.hw.mujoco.stops_and_brakes import MAX_SQUARED_VELOCITY, OverspeedBrakes
 from station.hw.mujoco.world_joints import (
     WorldJoints,
     find_joint,
@@ -20,9 +28,112 @@ from station.hw.mujoco.world_joints import (
 )
 from station.hw.mujoco.world_step import Preparation, WorldStep
 
+WORLD = "world"
+"""Name of the world's own axes."""
 # MuJoCo's warnings of the whole process. Without a handler MuJoCo writes warnings to a
 # file in the current directory, and the control thread must do no I/O.
 _warnings: deque[str] = deque(maxlen=8)
+_MAX_STEPS_COMPARED = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Push:
+    """A force and a torque on a body.
+
+    Attributes:
+        body: Name of a link that has mass, or of an object.
+        force: Force [N], shape (3,).
+        torque: Torque [Nm], shape (3,).
+        frame: Frame in whose axes force and torque are given: the world, or a body,
+            with which they turn.
+        point: Point of application, in the body's frame [m], shape (3,); None
+            for its centre of mass.
+    """
+
+    body: str
+    force: tuple[float, ...]
+    torque: tuple[float, ...] = (0.0, 0.0, 0.0)
+    frame: str = WORLD
+    point: tuple[float, ...] | None = None
+
+
+class AppliedPush:
+    """A push that lasts for some steps. For the thread that steps the world.
+
+    Args:
+        model: The world's model.
+        data: The world's data.
+        push: The push.
+        steps: Duration in time steps, >= 0.
+
+    Attributes:
+        left: Number of remaining time steps.
+
+    Raises:
+        HardwareInterfaceError: The world has no such body.
+    """
+
+    def __init__(
+        self, model: mujoco.MjModel, data: mujoco.MjData, push: Push, steps: int
+    ) -> None:
+        self.body = _find_body(model, push.body)
+        self._frame = 0 if push.frame == WORLD else _find_body(model, push.frame)
+        self._data = data
+        self._force, self._torque = np.array(push.force), np.array(push.torque)
+        self._point = None if push.point is None else np.array(push.point)
+        self.left = steps
+        # Only a push that turns or moves with a body is computed anew in each step.
+        self._is_constant = not self._frame and self._point is None
+        self._apply()
+
+    def is_over(self) -> bool:
+        """Count a step; return whether the push has ended."""
+        if self.left <= 0:
+            self.end()
+            return True
+        self.left -= 1
+        if not self._is_constant:
+            self._apply()
+        return False
+
+    def end(self) -> None:
+        """Remove the force and the torque from the body."""
+        self._data.xfrc_applied[self.body] = 0.0
+
+    def _apply(self) -> None:
+        data = self._data
+        axes = data.xmat[self._frame].reshape(3, 3)
+        force, torque = axes @ self._force, axes @ self._torque
+        if self._point is not None:
+            turned = data.xmat[self.body].reshape(3, 3) @ self._point
+            arm = data.xpos[self.body] + turned - data.xipos[self.body]
+            torque = torque + np.cross(arm, force)
+        data.xfrc_applied[self.body] = [*force, *torque]
+
+
+def as_push(
+    body: str,
+    force: Sequence[float],
+    torque: Sequence[float],
+    *,
+    frame: str = WORLD,
+    point: Sequence[float] | None = None,
+) -> Push:
+    """Return a push with copies of the numbers."""
+    at = None if point is None else tuple(point)
+    return Push(body, tuple(force), tuple(torque), frame, at)
+
+
+def _find_body(model: mujoco.MjModel, name: str) -> int:
+    number: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
+    if number <= 0:
+        known = [model.body(i).name for i in range(1, model.nbody)]
+        raise HardwareInterfaceError(
+            f"The simulated world has no body {name!r}.",
+            remedy=f"Choose among {', '.join(known) or 'none'}.",
+            details={"body": name},
+        )
+    return number
 
 
 class WorldActor(Protocol):
@@ -269,3 +380,102 @@ def _report(thing: SceneObject, data: mujoco.MjData) -> SceneObjectReport:
         thing.mass,
         thing.file,
     )
+
+
+class Stepper(NamedTuple):
+    """The implementation of a simulation step.
+
+    Attributes:
+        step: Makes one step.
+        addresses: Addresses of the C function that makes the same step and keeps the
+            lock, and of its model and data; zeros without such a function.
+    """
+
+    step: Callable[[], None]
+    addresses: tuple[int, int, int] = (0, 0, 0)
+
+    @property
+    def keeps_interpreter_lock(self) -> bool:
+        """Return whether other threads are kept waiting during a step."""
+        return self.addresses[0] != 0
+
+
+def make_stepper(model: mujoco.MjModel, data: mujoco.MjData) -> Stepper:
+    """Return a function that advances `data` by a step.
+
+    The direct call is used only if a test shows that its results equal those of the
+    binding bit for bit; otherwise the binding is used.
+
+    Args:
+        model: The model.
+        data: Data of the model. Both must outlive the returned function.
+    """
+    binding = partial(mujoco.mj_step, model, data)
+    function = _find_function("mj_step")
+    addresses = _addresses(model, data)
+    if function is None or addresses is None or not _agrees(function, model):
+        return Stepper(binding)
+    places = ctypes.cast(function, ctypes.c_void_p), *addresses
+    numbers = [place.value or 0 for place in places]
+    return Stepper(partial(function, *addresses), (numbers[0], numbers[1], numbers[2]))
+
+
+def direct_function(
+    name: str, model: mujoco.MjModel, data: mujoco.MjData
+) -> Callable[[], None]:
+    """Return a MuJoCo function of model and data that keeps the interpreter lock.
+
+    If the library cannot be called directly, the function of the binding is returned.
+
+    Args:
+        name: Name of the function in C, e.g. `mj_fwdPosition`.
+        model: The model.
+        data: Data of the model. Both must outlive the function.
+    """
+    function = _find_function(name)
+    addresses = _addresses(model, data)
+    if function is None or addresses is None:
+        return partial(getattr(mujoco, name), model, data)
+    return partial(function, *addresses)
+
+
+def _find_function(name: str) -> Any:  # noqa: ANN401 - a function of ctypes, or None
+    directory = Path(mujoco.__file__).parent
+    for path in sorted(directory.glob("libmujoco*")):
+        try:
+            library = ctypes.PyDLL(str(path))
+            library.mj_version.restype = ctypes.c_int
+            if library.mj_version() != mujoco.mj_version():
+                continue
+            function: Any = getattr(library, name)
+        except (OSError, AttributeError):
+            # The library is missing, or has no function of that name.
+            continue
+        function.argtypes = [ctypes.c_void_p, ctypes.c_void_p]
+        function.restype = None
+        return function
+    return None
+
+
+def _addresses(
+    model: mujoco.MjModel, data: mujoco.MjData
+) -> tuple[ctypes.c_void_p, ctypes.c_void_p] | None:
+    addresses = (getattr(model, "_address", None), getattr(data, "_address", None))
+    if not all(isinstance(address, int) for address in addresses):
+        return None
+    return ctypes.c_void_p(addresses[0]), ctypes.c_void_p(addresses[1])
+
+
+def _agrees(function: Callable[..., None], model: mujoco.MjModel) -> bool:
+    direct, reference = mujoco.MjData(model), mujoco.MjData(model)
+    addresses = _addresses(model, direct)
+    if addresses is None:
+        return False
+    for _ in range(_MAX_STEPS_COMPARED):
+        function(*addresses)
+        mujoco.mj_step(model, reference)
+    return _state(direct) == _state(reference)
+
+
+def _state(data: mujoco.MjData) -> tuple[float, list[float], list[float]]:
+    return float(data.time), data.qpos.tolist(), data.qvel.tolist()

@@ -37,8 +37,8 @@ from station.core.loop.control_loop import ControlLoop
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters, ParameterTree
 from station.core.ports.set_point import SetPointElement, SetPointPort
-from station.hw.combined_robot_hw import CombinedRobotHW
 from station.hw.mock import MockRobotHW
+from station.hw.robot_loader import CombinedRobotHW
 from station.reports import Percentiles
 from tests.waiting import PATIENCE
 

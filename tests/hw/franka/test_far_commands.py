@@ -15,7 +15,7 @@ from station.core.hardware.interfaces import (
     PositionJointInterface,
     VelocityJointInterface,
 )
-from station.hw.mujoco.overspeed_brakes import BRAKES
+from station.hw.mujoco.stops_and_brakes import BRAKES
 from tests.hw.franka.test_franka_hw import PERIOD, command, make, switch
 
 INTERFACES = {

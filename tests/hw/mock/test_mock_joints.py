@@ -9,7 +9,7 @@ from station.core.hardware.interfaces import (
     PositionJointInterface,
     VelocityJointInterface,
 )
-from station.hw.mock.mock_robot_hw import POSITION_MODES, MockJoints
+from station.hw.mock import POSITION_MODES, MockJoints
 
 
 def joint(mode, **constants):

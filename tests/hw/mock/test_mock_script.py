@@ -1,6 +1,6 @@
 """Nothing goes wrong unless it is ordered."""
 
-from station.hw.mock.mock_robot_hw import MockScript
+from station.hw.mock import MockScript
 
 
 def test_a_new_mock_script_has_no_fault():

@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.errors import HardwareInterfaceError
-from station.hw.mock.mock_robot_hw import MockJoints, MockWorld
+from station.hw.mock import MockJoints, MockWorld
 
 
 def test_reset_takes_time_and_joints_back_to_their_start():

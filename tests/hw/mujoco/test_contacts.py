@@ -4,8 +4,7 @@ import mujoco
 import pytest
 
 from station.core.geometry.scene import read_object
-from station.hw.mujoco.model_builder import compile_world, new_world
-from station.hw.mujoco.scene import add_object
+from station.hw.mujoco.model_builder import add_object, compile_world, new_world
 from station.hw.mujoco.shared_world import MOST_CONTACTS, touching
 
 

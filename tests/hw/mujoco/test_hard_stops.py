@@ -5,8 +5,8 @@ from math import degrees
 import mujoco
 import pytest
 
-from station.hw.mujoco.hard_stops import HardStops
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
+from station.hw.mujoco.stops_and_brakes import HardStops
 from station.hw.mujoco.world import World
 from station.testing import Bench
 

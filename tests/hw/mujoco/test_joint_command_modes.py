@@ -12,9 +12,8 @@ from station.core.hardware.interfaces import (
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.core.hardware.transmissions import RawJointData
 from station.core.numerics.pid import Pid, PidGains
-from station.hw.mujoco.joint_command_modes import JointCommandModes
+from station.hw.mujoco.joint_command_modes import JointCommandModes, SimulatedPid
 from station.hw.mujoco.joint_drives import DriveMode
-from station.hw.mujoco.simulated_pid import SimulatedPid
 
 WHEEL = Joint(
     name="b",

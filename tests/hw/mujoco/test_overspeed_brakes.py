@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from station.hw.mujoco.overspeed_brakes import OVERSPEED, OverspeedBrakes
+from station.hw.mujoco.stops_and_brakes import OVERSPEED, OverspeedBrakes
 
 # Three links in a row, and a ball that flies by itself.
 CHAIN = """

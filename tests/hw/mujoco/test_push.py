@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from station.core.errors import HardwareInterfaceError
-from station.hw.mujoco.push import AppliedPush, Push, as_push
-from station.hw.mujoco.world import World
+from station.hw.mujoco.world import AppliedPush, Push, World, as_push
 
 # A rod of 1 m that hangs on a hinge about y, its centre of mass 0.5 m below.
 ROD = """

@@ -6,8 +6,7 @@ import pytest
 from station.core.errors import ParameterError
 from station.core.geometry.scene import read_object, read_scene
 from station.core.parameters import Parameters, ParameterTree
-from station.hw.mujoco.model_builder import compile_world, new_world
-from station.hw.mujoco.scene import add_object
+from station.hw.mujoco.model_builder import add_object, compile_world, new_world
 
 TABLE = {
     "name": "table",

@@ -8,7 +8,7 @@ from station.core.description.urdf import Joint, JointLimit, JointType, Pose
 from station.core.errors import ParameterError
 from station.core.numerics.pid import Pid, PidGains
 from station.core.parameters import Parameters, ParameterTree
-from station.hw.mujoco.simulated_pid import SimulatedPid, read_simulated_pids
+from station.hw.mujoco.joint_command_modes import SimulatedPid, read_simulated_pids
 
 
 def joint(kind: JointType, limit: JointLimit | None = None) -> Joint:

@@ -3,8 +3,8 @@
 import mujoco
 import pytest
 
-from station.hw.mujoco import stepper
-from station.hw.mujoco.stepper import direct_function, make_stepper
+from station.hw.mujoco import world
+from station.hw.mujoco.world import direct_function, make_stepper
 
 PENDULUM = """
 <mujoco><worldbody><body><joint axis="0 1 0"/><geom size="0.1" pos="1 0 0"/></body>
@@ -32,7 +32,7 @@ def test_direct_call_equals_the_binding_bit_for_bit() -> None:
 def test_library_of_another_version_is_not_used(
     monkeypatch: pytest.MonkeyPatch, version: int
 ) -> None:
-    monkeypatch.setattr(stepper.mujoco, "mj_version", lambda: version)
+    monkeypatch.setattr(world.mujoco, "mj_version", lambda: version)
     model = mujoco.MjModel.from_xml_string(PENDULUM)
     data = mujoco.MjData(model)
     chosen = make_stepper(model, data)
@@ -44,7 +44,7 @@ def test_library_of_another_version_is_not_used(
 def test_call_that_steps_otherwise_is_not_used(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(stepper, "_find_function", lambda _: lambda *_: None)
+    monkeypatch.setattr(world, "_find_function", lambda _: lambda *_: None)
     model = mujoco.MjModel.from_xml_string(PENDULUM)
     assert not make_stepper(model, mujoco.MjData(model)).keeps_interpreter_lock
 
@@ -54,7 +54,7 @@ def test_any_function_of_model_and_data_can_be_called(
     monkeypatch: pytest.MonkeyPatch, version: int | None
 ) -> None:
     if version is not None:
-        monkeypatch.setattr(stepper.mujoco, "mj_version", lambda: version)
+        monkeypatch.setattr(world.mujoco, "mj_version", lambda: version)
     model = mujoco.MjModel.from_xml_string(PENDULUM)
     data = mujoco.MjData(model)
     data.qpos[0] = 0.5

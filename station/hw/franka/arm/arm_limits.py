@@ -1,5 +1,8 @@
 """The limits of an arm's joints and of its end effector, Panda and FR3.
 
+The thresholds at which an arm stops by itself are here, too; Franka does not publish
+them.
+
 Source: Franka Control Interface documentation, Robot and interface specifications;
 libfranka@0.9.2 and @0.15.0 include/franka/rate_limiting.h; libfranka@0.20.4
 test/fr3.urdf, `position_based_velocity_limits`; franka_ros@c11f000
@@ -10,6 +13,7 @@ translational velocity is that of libfranka's limiter, 2.0 m/s, not the document
 """
 
 from dataclasses import dataclass
+from math import inf, pi
 
 from station.hw.franka.arm.velocity_curves import velocity_towards_end
 
@@ -185,3 +189,39 @@ FR3_LIMITS = ArmLimits(
 
 LIMITS_OF_ARM = {"panda": PANDA_LIMITS, "fr3": FR3_LIMITS}
 """Limits by the kind of arm."""
+
+
+@dataclass(frozen=True, slots=True)
+class SupervisorLimits:
+    """Thresholds of measured quantities that Franka does not publish.
+
+    Attributes:
+        position_tolerance: Distance beyond a position limit [rad]; negative before it.
+        velocity_factor: Share of the velocity limits of joints and end effector. A
+            joint of the simulation is never faster than `OVERSPEED` times its limit, so
+            above that factor only the end effector can be too fast.
+        torque_factor: Share of the torque limits: the range of the torque sensors.
+        debounce: Cycles for which a measured value must be out of its range, >= 1.
+        power: Largest sum over the joints of |tau_J dq| [W].
+        self_collision_distance: Least distance between links that are not neighbours
+            [m]; the links are capsules, and a negative distance lets them overlap.
+        cartesian_lower: Lowest x, y, z of the end effector, axes of the base [m].
+        cartesian_upper: Highest x, y, z [m]; both are the walls of a box.
+        path_deviation: Largest distance of the end effector from the desired motion:
+            translation [m], rotation [rad], elbow [rad]. Source: libfranka@0.9.2
+            src/robot_impl.h, kDefaultDeviation: 10 m, 3.12 rad, 2 pi.
+        singular_start: Least singular value of the Jacobian [m, rad] at which a
+            Cartesian motion may start. Joint 3, whose position the elbow gives, is left
+            out. 0 lets every motion start.
+    """
+
+    position_tolerance: float = 0.003
+    velocity_factor: float = 1.01
+    torque_factor: float = 1.0
+    debounce: int = 3
+    power: float = inf
+    self_collision_distance: float = 0.03
+    cartesian_lower: tuple[float, ...] = (-inf, -inf, -inf)
+    cartesian_upper: tuple[float, ...] = (inf, inf, inf)
+    path_deviation: tuple[float, ...] = (10.0, 3.12, 2.0 * pi)
+    singular_start: float = 0.01

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from station.hw.franka.arm.robot_arm import RobotArm
     from station.hw.franka.arm.velocity_curves import VelocityCurves
     from station.hw.franka.commands.cartesian_commands import CartesianCommands
-    from station.hw.franka.commands.command_settings import CommandSettings
     from station.hw.franka.commands.joint_commands import JointCommands
+    from station.hw.franka.commands.rate_limiter import CommandSettings
     from station.memory.vectors import FiniteCheck
 
 # The .pxd declares these as C numbers.

@@ -19,7 +19,7 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
 )
 from station.hw.franka.commands.command_sender import CommandSender
-from station.hw.franka.commands.command_settings import CommandSettings
+from station.hw.franka.commands.rate_limiter import CommandSettings
 
 LONGEST_WAIT = 500
 """Number of arm cycles after which a motion begins although the arm still trembles."""

@@ -1,18 +1,21 @@
-"""Low-pass filter and rate limits of an arm's commands, as libfranka has them.
+"""Low-pass filter and rate limits of an arm's commands, and their settings.
 
-The formulas are in `core.numerics.command_rates`; their numbers are here. `PERIOD` is
-libfranka's fixed cycle of 1 ms.
+The formulas are in `core.numerics.command_rates`; their numbers are here, as libfranka
+has them. `PERIOD` is libfranka's fixed cycle of 1 ms.
 
 Source: libfranka@0.9.2 src/lowpass_filter.cpp, lowpassFilter; src/rate_limiting.cpp,
 limitRate; include/franka/rate_limiting.h, the limits of the Panda; libfranka@0.15.0,
 the same files, for the FR3.
 """
 
+from dataclasses import dataclass
 from math import pi
 
 from station.core.franka.franka_robot_state import RobotState
 from station.core.numerics.command_rates import CommandRates
 from station.hw.franka.arm.arm_limits import ArmLimits, MotionLimits
+from station.hw.franka.arm.control_mode import GENERATOR_OF_MODE, ControlMode
+from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.arm.velocity_curves import VelocityCurves
 from station.hw.franka.commands.joint_commands import JointCommands
 
@@ -27,6 +30,7 @@ MARGIN = 1e-3
 # deceleration is up to twice as large, so the other half of the limit is needed.
 _BRAKING_SHARE = 0.5
 _APPROACH_GAIN = 50.0
+_CARTESIAN = ControlMode.CARTESIAN_POSE | ControlMode.CARTESIAN_VELOCITY
 
 
 def rate_limits_of(limits: ArmLimits) -> tuple[MotionLimits, ...]:
@@ -127,3 +131,48 @@ def make_velocity_curves(limits: ArmLimits) -> VelocityCurves | None:
     if not limits.curves:
         return None
     return VelocityCurves(limits.velocity, limits.curves, [MARGIN] * 7)
+
+
+@dataclass(frozen=True, slots=True)
+class CommandSettings:
+    """Settings of the path from a controller to the arm; read before every switch.
+
+    Attributes:
+        rate_limiting: Whether commands are kept within velocity, acceleration and jerk
+            limits.
+        cutoff_frequency: Cutoff frequency of the low-pass filter on commands [Hz], > 0;
+            a frequency of 1000 Hz or more turns the filter off.
+        internal_controller: Controller of the arm that computes the torques of a motion
+            for which no controller of the station commands torques. None: in Cartesian
+            motions the controller whose impedance was set last, in other motions joint
+            impedance.
+    """
+
+    rate_limiting: bool
+    cutoff_frequency: float
+    internal_controller: ControllerMode | None
+
+    @property
+    def low_pass_gain(self) -> float:
+        """Share of a new command in the low-pass filter, 0 to 1; 1 is off."""
+        return low_pass_gain(self.cutoff_frequency)
+
+    def arm_modes(
+        self, mode: ControlMode, impedance: ControllerMode
+    ) -> tuple[ControllerMode, MotionGeneratorMode]:
+        """Return the modes in which the arm carries out the commands of controllers.
+
+        Args:
+            mode: Kinds of commands of the controllers; supported, and not NONE.
+            impedance: The controller whose impedance was set last.
+        """
+        generator = GENERATOR_OF_MODE[mode & ~ControlMode.JOINT_TORQUE]
+        if mode & ControlMode.JOINT_TORQUE:
+            return ControllerMode.EXTERNAL_CONTROLLER, generator
+        chosen = self.internal_controller
+        if chosen is None:
+            # The stiffness set for the end effector acts in Cartesian motions; motions
+            # of joints keep following their positions.
+            is_cartesian = mode & _CARTESIAN
+            chosen = impedance if is_cartesian else ControllerMode.JOINT_IMPEDANCE
+        return chosen, generator

@@ -57,8 +57,7 @@ from station.hw.franka.arm.service_limits import (
 )
 from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.arm_step import LONGEST_SETTLING, VIOLATION
-from station.hw.mujoco.push import WORLD, as_push
-from station.hw.mujoco.world import World
+from station.hw.mujoco.world import WORLD, World, as_push
 from station.memory.doubles import put
 
 _SUPERVISED = (

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.joint_memory import JointMemory
-from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.arm_limits import ArmLimits, SupervisorLimits
 from station.hw.franka.arm.franka_kinematics import CHAIN, compose
 from station.hw.franka.arm.load import Load, combine_loads
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.arm_step import ArmStep, CycleLog
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor

@@ -13,8 +13,8 @@ import numpy as np
 from station.core.franka.franka_errors import ERROR_INDEX, ArmError
 from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
+from station.hw.franka.arm.arm_limits import SupervisorLimits
 from station.hw.franka.arm.franka_kinematics import zero_jacobian
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_step import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.reports import ArmRecord

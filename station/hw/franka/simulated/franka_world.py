@@ -17,9 +17,8 @@ from station.hw.franka.arm.arm_description import (
     joint_names,
     load_arm_description,
 )
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits, SupervisorLimits
 from station.hw.franka.arm.service_limits import ServiceLimits
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS, FrankaParameters
 from station.hw.franka.hand.hand_limits import OPEN_WIDTH
 from station.hw.franka.simulated.arm_parts import ArmParts
@@ -33,11 +32,11 @@ from station.hw.franka.simulated.simulated_arm import SimulatedArm
 from station.hw.franka.simulated.simulated_gripper import SimulatedGripper
 from station.hw.mujoco.model_builder import (
     RobotOptions,
+    add_object,
     add_robot,
     compile_world,
     new_world,
 )
-from station.hw.mujoco.scene import add_object
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
 from station.hw.urdf_loader import load_urdf

@@ -15,9 +15,8 @@ from station.core.numerics.arm_chain import (
     zero_jacobian,
 )
 from station.core.numerics.rigid_motion import compose, rotation_between
-from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.arm_limits import ArmLimits, SupervisorLimits
 from station.hw.franka.arm.self_collision import link_distances
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.arm.velocity_curves import VelocityCurves
 from station.hw.franka.simulated.violations import (
     DEVIATION,

@@ -3,8 +3,7 @@
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import FaultKind, SimulatedFault
-from station.hw.mujoco.push import Push
-from station.hw.mujoco.world import World
+from station.hw.mujoco.world import Push, World
 from station.hw.mujoco.world_joints import WorldJoints
 
 LONGEST_DELAY = 500

@@ -4,7 +4,7 @@ from math import inf
 
 from station.core.description.robot_files import load_robot_files
 from station.hw.franka.arm.arm_description import find_prefix, joint_names
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.arm.arm_limits import SupervisorLimits
 
 
 def test_joints_are_counted_from_the_base():

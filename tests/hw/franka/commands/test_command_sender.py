@@ -12,9 +12,8 @@ from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
 from station.hw.franka.commands.command_sender import CommandSender
-from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.franka.commands.joint_commands import JointCommands
-from station.hw.franka.commands.rate_limiter import make_joint_rates
+from station.hw.franka.commands.rate_limiter import CommandSettings, make_joint_rates
 from station.memory.doubles import put
 from tests.hw.franka.scripted_arm import ScriptedArm
 from tests.hw.franka.test_franka_hw import JOINTS

@@ -6,7 +6,7 @@ import pytest
 
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
-from station.hw.franka.commands.command_settings import CommandSettings
+from station.hw.franka.commands.rate_limiter import CommandSettings
 
 SETTINGS = CommandSettings(
     rate_limiting=True,

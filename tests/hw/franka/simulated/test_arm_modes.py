@@ -7,13 +7,12 @@ from station.core.errors import ArmCommandError
 from station.core.franka import FaultKind, RobotMode
 from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_services import SimulatedFault
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS, SupervisorLimits
 from station.hw.franka.arm.robot_arm import (
     REST_VELOCITY,
     ControllerMode,
     MotionGeneratorMode,
 )
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.arm_modes import HALTED, LONGEST_SETTLING
 from station.hw.franka.simulated.franka_world import (

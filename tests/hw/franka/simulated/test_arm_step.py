@@ -16,9 +16,12 @@ from station.hw.franka.arm.arm_codes import (
     POSITIONS,
     VELOCITIES,
 )
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS, MotionLimits
+from station.hw.franka.arm.arm_limits import (
+    PANDA_LIMITS,
+    MotionLimits,
+    SupervisorLimits,
+)
 from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_step import CONTACT, VIOLATION
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import (

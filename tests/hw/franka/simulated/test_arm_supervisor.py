@@ -3,9 +3,8 @@
 import pytest
 
 from station.core.franka import ArmError, RobotState
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS, SupervisorLimits
 from station.hw.franka.arm.franka_kinematics import CHAIN
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_parts import new_joint_memory
 from station.hw.franka.simulated.arm_step import CycleLog
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor

@@ -8,9 +8,12 @@ from hypothesis import assume, example, given, strategies as st
 
 from station.core.franka import Frame
 from station.core.franka.joint_memory import JointMemory
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS, MotionLimits
+from station.hw.franka.arm.arm_limits import (
+    PANDA_LIMITS,
+    MotionLimits,
+    SupervisorLimits,
+)
 from station.hw.franka.arm.franka_kinematics import CHAIN, IDENTITY, frame_pose
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.memory.doubles import doubles, put
 from tests.both_modes import arrays, assert_same, needs_both, sibling

@@ -21,7 +21,7 @@ from station.hw.franka.simulated.franka_world import (
 )
 from station.hw.franka.simulated.realism import TYPICAL, Realism
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.mujoco.push import Push
+from station.hw.mujoco.world import Push
 
 NAMES = [f"panda_joint{number}" for number in range(1, 8)]
 NONE = (0.0,) * 7
