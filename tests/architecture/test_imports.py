@@ -28,7 +28,7 @@ VIOLATIONS = {
         "station/memory/functions.py",
         "import typing_extensions",
     ),
-    "agents-seat-is-a-client": ("station/mcp/tools.py", "import station.core"),
+    "agents-seat-is-a-client": ("station/mcp/server.py", "import station.core"),
     "reports-stand-alone": ("station/reports.py", "import pydantic"),
     "core-is-ros-control-alone": ("station/core/clock.py", "import mujoco"),
     "controllers-see-core-alone": (

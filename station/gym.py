@@ -1,4 +1,8 @@
-"""A Gymnasium environment whose actions are set-points of a controller."""
+"""Stations as Gymnasium environments: `gymnasium.make("station.gym:Station-v0")`.
+
+Importing this module registers the environment; it needs the extra `gym`. The actions
+are set-points of a controller.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -287,3 +291,6 @@ def _action_bounds(elements: tuple[SetPointElement, ...]) -> tuple[Array, Array]
     # velocities.
     inside = np.array([3.0**-0.5 if e.name in _VECTORS else 1.0 for e in elements])
     return low * inside, high * inside
+
+
+gymnasium.register("Station-v0", entry_point="station.gym:StationEnv")
