@@ -3,9 +3,9 @@
 import logging
 from collections.abc import Sequence
 
-from station.core.description.repair import Repair
 from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf import JointType, Urdf
+from station.core.description.urdf_repair import Repair
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.bases import BaseType
 from station.hw.mujoco.description_repair import log_repairs, repair_robot

@@ -57,9 +57,14 @@ StationError
 ├── CertificateVoidError          something has changed since the rehearsal
 └── RobotDescriptionError         a URDF or mesh cannot be used (ValueError)
 ```
+
+Controllers and robots that users wrote may raise an exception of any type. Its text may
+fail to print, be of any length, or contain surrogates that no JSON can carry;
+`describe` makes a text of it.
 """
 
 import difflib
+import traceback
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from numbers import Real
@@ -73,6 +78,12 @@ _LIKELY = 0.6
 """Likeness of a name that may have been meant; the default of `difflib`."""
 _FAINT = 0.3
 """Likeness below which the nearest names are nearest by chance."""
+MAX_REASON = 1000
+"""Longest text of a fault [characters]; every list of controllers contains it."""
+MAX_TRACE = 20_000
+"""Longest traceback [characters]; a longer one loses its beginning."""
+CONTAINED = (Exception, SystemExit)
+"""Exceptions that end only the plugin that raised them; `exit()` raises the second."""
 
 
 def show(value: object) -> str:
@@ -544,3 +555,34 @@ def key_text(path: Sequence[str | int]) -> str:
     """
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return "".join(parts).removeprefix(".")
+
+
+def reason_of(where: str, error: BaseException) -> str:
+    """Return one line that names a callback and the exception it raised.
+
+    Args:
+        where: Name of the callback.
+        error: The exception.
+    """
+    return f"{where} raised {describe(error)}"
+
+
+def describe(error: BaseException) -> str:
+    """Return an exception as `Type: text`, without lone surrogates."""
+    try:
+        text = str(error)
+    except CONTAINED:
+        text = "(its text cannot be read)"
+    if len(text) > MAX_REASON:
+        text = f"{text[:MAX_REASON]}... ({len(text)} characters)"
+    return printable(f"{type(error).__name__}: {text}")
+
+
+def trace_of_fault() -> str:
+    """Return the traceback of the exception that is being handled."""
+    return printable(traceback.format_exc()[-MAX_TRACE:])
+
+
+def printable(text: str) -> str:
+    """Return `text` with lone surrogates, which UTF-8 cannot encode, as escapes."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")

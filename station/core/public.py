@@ -18,6 +18,8 @@ from station.core.control.controller import (
     ControllerBase,
     ControllerSample,
     ControllerState,
+    ControllerStatistics,
+    ControllerStatus,
     MultiInterfaceController,
 )
 from station.core.control.controller_loader import (
@@ -26,10 +28,6 @@ from station.core.control.controller_loader import (
     default_loaders,
 )
 from station.core.control.controller_manager import ControllerManager
-from station.core.control.controller_status import (
-    ControllerStatistics,
-    ControllerStatus,
-)
 from station.core.control.switching import Strictness, SwitchRequest, SwitchResult
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType

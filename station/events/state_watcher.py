@@ -5,7 +5,7 @@ import threading
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from station.core.control.controller_status import ControllerCondition
+from station.core.control.controller import ControllerCondition
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.franka_robot_state import RobotMode

@@ -33,7 +33,7 @@ from station.core.hardware.interfaces import (
     ValuesSensorHandle,
     VelocityJointInterface,
 )
-from station.core.hardware.interfaces.semantic import (
+from station.core.hardware.interfaces.sensors import (
     SEMANTIC_INTERFACES,
     SEMANTIC_VALUES,
 )

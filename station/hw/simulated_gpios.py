@@ -16,7 +16,7 @@ from math import inf
 
 from station.core.description.ros2_control import ComponentTag, InterfaceTag
 from station.core.errors import ParameterError, suggest
-from station.core.hardware.interfaces.semantic import (
+from station.core.hardware.interfaces.sensors import (
     GpioCommandHandle,
     GpioCommandInterface,
     GpioStateHandle,

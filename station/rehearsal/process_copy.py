@@ -19,8 +19,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import TypeVar
 
-from station.core.errors import RehearsalError
-from station.core.faults import trace_of_fault
+from station.core.errors import RehearsalError, trace_of_fault
 from station.local.descriptors import wait_until_readable
 
 ResultT = TypeVar("ResultT")

@@ -4,14 +4,13 @@ from collections.abc import Mapping, Sequence
 
 from station.controllers import CONTROLLERS
 from station.core.clock import Clock, ManualClock
-from station.core.control.controller import ControllerBase
+from station.core.control.controller import ControllerBase, ControllerStatus
 from station.core.control.controller_loader import (
     ControllerLoader,
     TableLoader,
     default_loaders,
 )
 from station.core.control.controller_manager import ControllerManager
-from station.core.control.controller_status import ControllerStatus
 from station.core.control.switching import (
     SWITCH_BOUND,
     Strictness,

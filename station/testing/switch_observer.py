@@ -14,8 +14,10 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.control.switching import SwitchOutcome, SwitchResult
 from station.core.hardware.combined_robot_hw import CombinedRobotHW
 from station.core.hardware.interfaces import JointStateInterface
-from station.core.hardware.interfaces.interface_manager import interface_type_name
-from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    interface_type_name,
+)
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,

@@ -9,7 +9,7 @@ from station.api import answers
 from station.core.control.controller import ControllerSample
 from station.core.control.switching import SwitchPlan, SwitchRequest, SwitchResult
 from station.core.control.tunables import Gains, Tunable
-from station.core.description.repair import Repair
+from station.core.description.urdf_repair import Repair
 from station.core.facade.station import HardwareReport
 from station.core.franka import (
     ArmError,

@@ -2,7 +2,7 @@
 
 import json
 
-from station.core.faults import describe, printable, reason_of, trace_of_fault
+from station.core.errors import describe, printable, reason_of, trace_of_fault
 
 
 class Unprintable(Exception):  # noqa: N818 - a plugin's own

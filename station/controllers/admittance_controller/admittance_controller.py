@@ -28,9 +28,9 @@ from station.core.declared_parameter import (
     declare_string,
     declare_strings,
 )
-from station.core.description.chains_of_frames import chain_to
 from station.core.description.robot_description import (
     ROBOT_DESCRIPTION,
+    chain_to,
     require_robot_description,
 )
 from station.core.description.urdf_parser import parse_urdf

@@ -44,9 +44,10 @@ from station.core.declared_parameter import (
     declare_number,
     declare_string,
 )
-from station.core.description.chains_of_frames import chain_to, ends_of_chain
 from station.core.description.robot_description import (
     JointDescription,
+    chain_to,
+    ends_of_chain,
     require_robot_description,
 )
 from station.core.description.urdf_parser import parse_urdf
@@ -63,7 +64,7 @@ from station.core.hardware.interfaces import (
     PosVelJointInterface,
     VelocityJointInterface,
 )
-from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.interfaces.resource_manager import interface_type_name
 from station.core.numerics.arm_chain import JointChain
 from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters

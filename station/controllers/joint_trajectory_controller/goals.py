@@ -24,6 +24,7 @@ from station.controllers.joint_trajectory_controller.planning import (
     MAX_DURATION,
     TrajectoryPlanner,
 )
+from station.core.control.controller import TrajectoryPort
 from station.core.errors import ControllerStateError, InvalidTrajectoryError
 from station.core.numerics.poses import pose_of
 from station.core.ports.goal import Goal, GoalPort
@@ -36,7 +37,6 @@ from station.core.trajectory import (
     ToleranceRequest,
     updated_tolerances,
 )
-from station.core.trajectory.trajectory_port import TrajectoryPort
 
 MOST_PRIMITIVES = 200
 """Most primitives of a sequence."""

@@ -32,8 +32,13 @@ from typing_extensions import override
 from station.core.control.async_update import AsyncUpdate, ControllerHW
 from station.core.control.chainable_controller import ChainableController
 from station.core.control.controller import ControllerBase, ControllerSample
-from station.core.errors import ControllerLoadError, StationError
-from station.core.faults import CONTAINED, describe, trace_of_fault
+from station.core.errors import (
+    CONTAINED,
+    ControllerLoadError,
+    StationError,
+    describe,
+    trace_of_fault,
+)
 from station.core.hardware.async_function import AsyncParams
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters, ParameterTree

@@ -22,7 +22,7 @@ from station.core.control.controller import ControllerBase
 from station.core.errors import ControllerLoadError, ControllerStateError, StationError
 from station.core.hardware.async_function import AsyncFunction, AsyncParams
 from station.core.hardware.async_robot_hw import PrivateRobotHW
-from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.interfaces.resource_manager import interface_type_name
 from station.core.hardware.robot_hw import InterfaceResources
 from station.memory.doubles import Storage
 

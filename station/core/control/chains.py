@@ -29,7 +29,7 @@ from station.core.hardware.interfaces import (
     PosVelJointInterface,
     VelocityJointInterface,
 )
-from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.interfaces.resource_manager import interface_type_name
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,

@@ -27,7 +27,7 @@ import cython
 
 from station.core.control.command_guard import all_guards
 from station.core.control.controller import ControllerState
-from station.core.faults import CONTAINED
+from station.core.errors import CONTAINED
 from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.slots import Slot, SlotRun, in_memory_order, side_by_side
 from station.memory.doubles import Doubles, Storage, zeros

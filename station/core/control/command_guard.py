@@ -4,10 +4,12 @@ import math
 from collections.abc import Collection
 from numbers import Real
 
-from station.core.faults import CONTAINED
-from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.errors import CONTAINED
 from station.core.hardware.interfaces.joint import ActuatorCommandInterface
-from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    interface_type_name,
+)
 from station.core.hardware.robot_hw import InterfaceResources, RobotHW
 from station.core.hardware.slots import Slot
 

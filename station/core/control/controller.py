@@ -1,12 +1,14 @@
-"""Controllers: the life cycle, and the two bases that people derive from.
+"""Controllers: the life cycle, the two bases that people derive from, and the status.
 
 Source: ros_control@0.20.0 controller_interface/controller_base.h, controller.h,
 multi_interface_controller.h; differs: `init` raises with its reason instead of
 returning False, and there is one `init(hw, params)` instead of overloads.
 """
 
+from abc import ABC, abstractmethod
 from array import array
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from enum import Enum
 from typing import ClassVar, Generic, NamedTuple, TypeAlias, TypeVar, get_args
 
@@ -16,13 +18,17 @@ from station.core.control.sample_columns import PackedColumns, SampleColumns
 from station.core.control.tunables import Tunables
 from station.core.declared_parameter import DeclaredParameter, declare_number
 from station.core.errors import ControllerLoadError
-from station.core.hardware.interfaces.interface_manager import interface_type_name
-from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    interface_type_name,
+)
 from station.core.hardware.robot_hw import InterfaceResources, RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalPort  # noqa: TC001 - a native attribute
+from station.core.ports.receipt import Receipt
 from station.core.ports.set_point import SetPointPort  # noqa: TC001 - a native attribute
-from station.core.trajectory.trajectory_port import TrajectoryPort  # noqa: TC001 - a native attribute
+from station.core.trajectory.quintic_spline_segment import PosVelAccState
+from station.reports import AsyncStatistics, Percentiles
 
 Columns: TypeAlias = tuple[list[float], list[float], list[float], list[float]]
 """The four lists of a sample, shape (n,) each."""
@@ -30,6 +36,46 @@ PUBLISH_RATE = declare_number(
     "publish_rate", "rate of publication; 0: nothing is published", unit="Hz"
 )
 """The parameter of controllers that publish at a rate."""
+
+
+class TrajectoryPort(ABC):
+    """The topic `command` and the service `query_state` of a trajectory controller.
+
+    All methods may be called from any thread.
+    """
+
+    @abstractmethod
+    def follow_trajectory(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> None:
+        """Check a trajectory and let it replace the present one.
+
+        Args:
+            request: The message as JSON-compatible values.
+            receipt: Notes the cycle that takes the trajectory.
+
+        Raises:
+            StationError: The trajectory cannot be followed; nothing changed.
+        """
+
+    @abstractmethod
+    def hold(self, receipt: Receipt | None = None) -> None:
+        """End the motion in the next cycle and hold the joints.
+
+        Args:
+            receipt: Notes the cycle that takes the request.
+        """
+
+    @abstractmethod
+    def query_state(self, time: float) -> PosVelAccState:
+        """Return the desired state of the joints at a time.
+
+        Args:
+            time: Station time [s].
+
+        Raises:
+            StationError: The controller knows no state at that time.
+        """
 
 
 class ControllerState(Enum):
@@ -519,3 +565,92 @@ class MultiInterfaceController(ClaimingController):
     @override
     def initialise(self, hw: RobotHW, params: Parameters) -> None:
         self.init(hw, params)
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerStatus:
+    """A controller as `controller_manager_msgs/ControllerState` has it, and more.
+
+    Attributes:
+        name: Name under which it is loaded.
+        type: Type as the parameters name it.
+        state: State of its life cycle.
+        claimed_resources: Claims, one entry per hardware interface (CM-85).
+        fault: Why the manager stopped it; None if the manager did not.
+        traceback: Traceback that belongs to `fault`; None if there is none.
+        fallback: Names of the controllers that take over when it fails.
+        time: Duration of its updates [s].
+        notes: Warnings for its user, e.g. of a parameter that has no effect; one
+            sentence or more each.
+        update_rate: How often it is updated while it runs [Hz]; 0 while no loop is
+            known.
+        async_update: Report on its updates in a thread of its own; None if the control
+            thread updates it.
+    """
+
+    name: str
+    type: str
+    state: ControllerState
+    claimed_resources: tuple[InterfaceResources, ...]
+    fault: str | None
+    traceback: str | None
+    fallback: tuple[str, ...]
+    time: Percentiles
+    notes: tuple[str, ...] = ()
+    update_rate: float = 0.0
+    async_update: AsyncStatistics | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerCondition:
+    """The part of a controller's status that changes; cheap to read often.
+
+    Attributes:
+        name: Name under which it is loaded.
+        type: Type as the parameters name it.
+        state: State of its life cycle.
+        fault: Why the manager stopped it; None if the manager did not.
+        traceback: Traceback that belongs to `fault`; None if there is none.
+    """
+
+    name: str
+    type: str
+    state: ControllerState
+    fault: str | None
+    traceback: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerStatistics:
+    """A controller as `controller_manager_msgs/ControllerStatistics` has it.
+
+    Attributes:
+        name: Name under which it is loaded.
+        type: Its type.
+        timestamp: Station time of the last cycle [s].
+        running: Whether it runs.
+        max_time: Longest update [s].
+        mean_time: Mean duration of an update [s].
+        variance_time: Variance of the durations [s^2].
+        num_control_loop_overruns: Updates that took longer than the cycle's period.
+        time_last_control_loop_overrun: Station time of the last such update [s].
+        time: Percentiles of the durations [s]; its `count` is the number of updates.
+        total_updates: Updates since it was loaded; a reset of the statistics does not
+            change it.
+        total_overruns: Overruns since it was loaded.
+        update_rate: Rate of its updates while it runs [Hz].
+    """
+
+    name: str
+    type: str
+    timestamp: float
+    running: bool
+    max_time: float
+    mean_time: float
+    variance_time: float
+    num_control_loop_overruns: int
+    time_last_control_loop_overrun: float
+    time: Percentiles
+    total_updates: int
+    total_overruns: int
+    update_rate: float = 0.0

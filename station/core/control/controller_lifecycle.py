@@ -15,12 +15,14 @@ from station.core.control.command_gate import CommandGate
 from station.core.control.controller import ControllerState
 from station.core.control.hardware_components import HardwareComponents
 from station.core.control.loaded_controller import LoadedController
-from station.core.errors import ControllerNotFoundError, StationError, suggest
-from station.core.faults import (
+from station.core.errors import (
     CONTAINED,
+    ControllerNotFoundError,
+    StationError,
     describe,
     printable,
     reason_of,
+    suggest,
     trace_of_fault,
 )
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW, SwitchState

@@ -18,12 +18,13 @@ from typing_extensions import override
 
 from station.core.control.controller import ControllerBase
 from station.core.errors import (
+    CONTAINED,
     ControllerLoadError,
     ControllerModuleRefusedError,
     ControllerTypeNotFoundError,
+    describe,
     suggest,
 )
-from station.core.faults import CONTAINED, describe
 
 Stamp = tuple[int, int]
 """Time of the last change [ns] and size [bytes] of a source file."""

@@ -18,21 +18,23 @@ from station.core.clock import Clock
 from station.core.control.chains import chains_report, insert_in_order
 from station.core.control.controller import (
     ControllerBase,
+    ControllerCondition,
     ControllerSample,
     ControllerState,
-)
-from station.core.control.controller_factory import ControllerFactory, ControllerType
-from station.core.control.controller_lifecycle import ControllerLifecycle
-from station.core.control.controller_loader import ControllerLoader
-from station.core.control.controller_status import (
-    ControllerCondition,
     ControllerStatistics,
     ControllerStatus,
 )
+from station.core.control.controller_factory import (
+    LOAD_TIMEOUT,
+    ControllerFactory,
+    ControllerType,
+    Loading,
+)
+from station.core.control.controller_lifecycle import ControllerLifecycle
+from station.core.control.controller_loader import ControllerLoader
 from station.core.control.controller_update import ControllerUpdate
 from station.core.control.hardware_components import ComponentState
 from station.core.control.loaded_controller import LoadedController
-from station.core.control.loading import LOAD_TIMEOUT, Loading
 from station.core.control.switch_caller import SwitchCaller
 from station.core.control.switching import (
     SWITCH_BOUND,

@@ -13,8 +13,7 @@ from station.core.control.controller_lifecycle import ControllerLifecycle
 from station.core.control.loaded_controller import LoadedController
 from station.core.control.pending_switch import PendingSwitch, SwitchProgress
 from station.core.control.switch_transaction import SwitchTransaction
-from station.core.errors import SwitchRefusedError
-from station.core.faults import CONTAINED, reason_of, trace_of_fault
+from station.core.errors import CONTAINED, SwitchRefusedError, reason_of, trace_of_fault
 from station.memory.wall_time import wall_time
 
 if cython.compiled:

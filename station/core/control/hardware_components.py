@@ -13,16 +13,20 @@ from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 
 from station.core.errors import (
+    CONTAINED,
     HardwareComponentError,
     HardwareComponentNotFoundError,
     ParameterError,
     StationError,
+    describe,
+    reason_of,
     suggest,
 )
-from station.core.faults import CONTAINED, describe, reason_of
 from station.core.hardware.async_robot_hw import AsyncRobotHW
-from station.core.hardware.interfaces.interface_manager import interface_type_name
-from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.hardware.interfaces.resource_manager import (
+    HardwareResourceManager,
+    interface_type_name,
+)
 from station.core.hardware.robot_hw import ControllerInfo, HardwareComponent, RobotHW
 from station.core.parameters import Parameters
 from station.reports import ComponentInterface, HardwareComponentReport

@@ -11,14 +11,15 @@ from station.core.control.chainable_controller import (
     ReferenceInterface,
 )
 from station.core.control.command_guard import CommandGuard
-from station.core.control.controller import ControllerBase, ControllerState
-from station.core.control.controller_commands import ControllerCommands
-from station.core.control.controller_status import (
+from station.core.control.controller import (
+    ControllerBase,
     ControllerCondition,
+    ControllerState,
     ControllerStatistics,
     ControllerStatus,
 )
-from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.control.controller_commands import ControllerCommands
+from station.core.hardware.interfaces.resource_manager import interface_type_name
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.core.numerics.durations import DurationRing
 from station.core.ports.goal import Goal

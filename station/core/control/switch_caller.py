@@ -25,12 +25,14 @@ from station.core.control.switching import (
     plan_switch,
 )
 from station.core.errors import (
+    CONTAINED,
     ControllerStateError,
     StationError,
     SwitchRefusedError,
     SwitchTimeoutError,
+    reason_of,
+    trace_of_fault,
 )
-from station.core.faults import CONTAINED, reason_of, trace_of_fault
 from station.core.hardware.robot_hw import RobotHW
 
 SWITCH_GRACE = 1.0

@@ -42,8 +42,7 @@ from station.core.control.pending_switch import (
     refused,
 )
 from station.core.control.switching import Strictness
-from station.core.errors import StationError, SwitchRefusedError
-from station.core.faults import CONTAINED, reason_of
+from station.core.errors import CONTAINED, StationError, SwitchRefusedError, reason_of
 from station.core.hardware.robot_hw import ControllerInfo, SwitchState
 
 _RUNNING = ControllerState.RUNNING

@@ -9,9 +9,24 @@ from dataclasses import dataclass, field
 from typing import Literal
 from xml.etree import ElementTree as ET
 
-from station.core.description.repair import Repair, RepairKind
 from station.core.description.urdf_text import parse_decimal, parse_robot
 
+RepairKind = Literal[
+    "inertia",
+    "mass",
+    "range",
+    "mimic",
+    "motor",
+    "friction",
+    "transmission",
+    "self_collision",
+    "start_pose",
+    "base",
+    "name",
+    "armature",
+    "gravity",
+    "ros2_control",
+]
 ZeroRange = Literal["lock", "free"]
 """Treatment of a joint whose range is 0 to 0."""
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
@@ -23,6 +38,35 @@ _OUT_OF_REACH = 1000.0
 """End of a range that no prismatic joint reaches [m]."""
 WORLD = "world"
 """Name of the simulator's own root body."""
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """One difference between the simulated robot and its description.
+
+    Attributes:
+        kind: Kind of the changed element.
+        element: The element of the description, e.g. `link 'wrist'`.
+        problem: Fault of the element, without a full stop.
+        old: The value in the description; empty if there is none.
+        new: The value that is used instead.
+    """
+
+    kind: RepairKind
+    element: str
+    problem: str
+    old: str
+    new: str
+
+    @property
+    def is_addition(self) -> bool:
+        """Return whether the repair adds an element that a URDF cannot state."""
+        return self.kind in {"armature", "gravity"}
+
+    def sentence(self) -> str:
+        """Return the repair in one line."""
+        was = f" (was {self.old})" if self.old else ""
+        return f"{self.element}: {self.problem}; now {self.new}{was}"
 
 
 def repair_urdf(

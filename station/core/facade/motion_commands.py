@@ -6,7 +6,7 @@ the epoch, if the caller names one, must be the present one.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from station.core.control.controller import ControllerBase
+from station.core.control.controller import ControllerBase, TrajectoryPort
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import (
     ControllerNotFoundError,
@@ -23,7 +23,6 @@ from station.core.ports.goal import Goal, GoalPort
 from station.core.ports.receipt import Receipt
 from station.core.ports.set_point import SetPoint, SetPointPort
 from station.core.trajectory import PosVelAccState
-from station.core.trajectory.trajectory_port import TrajectoryPort
 from station.reports import Clearance, LoopState
 
 _PICK_UP = 0.02

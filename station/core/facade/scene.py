@@ -14,7 +14,7 @@ from station.core.errors import (
 )
 from station.core.facade.input_log import InputLog
 from station.core.facade.robots import Robots
-from station.core.geometry.carried import load_of
+from station.core.geometry.capsules import load_of
 from station.core.geometry.scene import SceneObject, read_object, read_scene
 from station.core.hardware.robot_hw import SceneGuard
 from station.core.hardware.robot_report import SceneObjectReport

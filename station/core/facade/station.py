@@ -11,13 +11,16 @@ from contextlib import ExitStack
 from dataclasses import dataclass, fields, replace
 
 from station.compiled import CompilationStatus, present_status
-from station.core.control.controller import ControllerSample, ControllerState
+from station.core.control.controller import (
+    ControllerSample,
+    ControllerState,
+    ControllerStatus,
+)
+from station.core.control.controller_factory import LOAD_TIMEOUT
 from station.core.control.controller_manager import ControllerManager
-from station.core.control.controller_status import ControllerStatus
 from station.core.control.hardware_components import ComponentState
-from station.core.control.loading import LOAD_TIMEOUT
 from station.core.control.switching import Strictness, SwitchRequest, SwitchResult
-from station.core.description.repair import Repair
+from station.core.description.urdf_repair import Repair
 from station.core.errors import (
     ControllerExistsError,
     LoopError,

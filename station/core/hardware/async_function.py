@@ -19,7 +19,7 @@ from station.core.declared_parameter import (
     declare_number,
     declare_string,
 )
-from station.core.faults import CONTAINED
+from station.core.errors import CONTAINED
 from station.core.numerics.durations import DurationRing
 from station.core.parameters import Parameters
 from station.core.ports.receipt import update_of_thread

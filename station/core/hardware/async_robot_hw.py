@@ -20,10 +20,10 @@ from typing_extensions import override
 
 from station.core.errors import HardwareInterfaceError, StationError, SwitchRefusedError
 from station.core.hardware.async_function import PROCESS, AsyncFunction, AsyncParams
-from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
     ResourceHandle,
+    interface_type_name,
 )
 from station.core.hardware.robot_hw import (
     ControllerInfo,

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 from typing_extensions import override
 
-from station.core.description.repair import Repair
 from station.core.description.urdf import Pose
+from station.core.description.urdf_repair import Repair
 from station.core.errors import HardwareInterfaceError, StationError
 from station.core.hardware.async_robot_hw import AsyncRobotHW
 from station.core.hardware.robot_hw import (

@@ -12,11 +12,11 @@ from enum import Enum
 from math import inf
 from typing import Protocol
 
-from station.core.description.repair import Repair
 from station.core.description.urdf import Pose
+from station.core.description.urdf_repair import Repair
 from station.core.errors import HardwareInterfaceError
 from station.core.geometry.scene import SceneObject
-from station.core.hardware.interfaces.interface_manager import InterfaceManager
+from station.core.hardware.interfaces.resource_manager import InterfaceManager
 from station.core.hardware.robot_report import (
     ClampReport,
     ContactReport,

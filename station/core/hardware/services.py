@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar, TypeVar
 
-from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
+    InterfaceManager,
     ResourceHandle,
     ResourceManager,
 )

@@ -20,8 +20,7 @@ import numpy as np
 
 from station.core.clock import Clock, ManualClock
 from station.core.control.controller_manager import ControllerManager
-from station.core.errors import LoopError
-from station.core.faults import CONTAINED, trace_of_fault
+from station.core.errors import CONTAINED, LoopError, trace_of_fault
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.hardware.robot_hw import RobotClock, RobotHW
 from station.core.loop.control_cycle import ControlCycle

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
-from station.core.faults import CONTAINED, describe
+from station.core.errors import CONTAINED, describe
 
 if TYPE_CHECKING:
     from station.core.loop.control_loop import ControlLoop

@@ -18,8 +18,6 @@ from station.core.trajectory.init_joint_trajectory import (
 from station.core.trajectory.quintic_spline_segment import (
     PosVelAccState as PosVelAccState,
     QuinticSplineSegment as QuinticSplineSegment,
-)
-from station.core.trajectory.through_waypoints import (
     peak_speeds as peak_speeds,
     through_waypoints as through_waypoints,
 )

@@ -10,14 +10,13 @@ from math import inf
 from types import MappingProxyType
 from xml.etree import ElementTree as ET
 
-from station.core.description.repair import Repair
 from station.core.description.robot_files import RobotFiles
 from station.core.description.urdf import Joint, JointLimit, Urdf
-from station.core.description.urdf_repair import ZeroRange, repair_urdf
+from station.core.description.urdf_repair import Repair, ZeroRange, repair_urdf
 from station.core.description.urdf_text import parse_robot
 from station.core.errors import HardwareInterfaceError, RobotDescriptionError
 from station.core.hardware.transmissions import TransmissionInfo, TransmissionParser
-from station.core.hardware.transmissions.hardware_interface_kind import (
+from station.core.hardware.transmissions.transmission_interface_loader import (
     HARDWARE_INTERFACES,
 )
 from station.core.hardware.transmissions.transmission_loader import load_transmission

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from station.core.description.repair import Repair
 from station.core.description.urdf import Inertial, JointType, Link, Pose, Urdf
+from station.core.description.urdf_repair import Repair
 
 
 def is_rigid_body(inertial: Inertial) -> bool:

@@ -31,8 +31,7 @@ from station.core.description.urdf import (
     Urdf,
 )
 from station.core.errors import RobotDescriptionError
-from station.core.geometry.mesh_files import check_mesh_file
-from station.core.geometry.scene import SceneObject
+from station.core.geometry.scene import SceneObject, check_mesh_file
 from station.hw.mujoco.bases import BaseType, add_base_joints
 from station.hw.mujoco.inertia import carried_inertials, combine, is_rigid_body
 

@@ -17,12 +17,12 @@ from math import ceil, inf
 
 from typing_extensions import override
 
-from station.core.description.repair import Repair
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.description.ros2_control import ComponentTag, HardwareTag
 from station.core.description.srdf import group_states
 from station.core.description.urdf import JointType, Urdf
+from station.core.description.urdf_repair import Repair
 from station.core.errors import (
     HardwareInterfaceError,
     ParameterError,
@@ -32,11 +32,7 @@ from station.core.errors import (
 from station.core.geometry.scene import read_scene
 from station.core.hardware.interfaces import JointHandle, JointStateInterface
 from station.core.hardware.limits import joint_limits_from_parameters
-from station.core.hardware.robot_hw import (
-    ControllerInfo,
-    HardwareComponent,
-    RobotHW,
-)
+from station.core.hardware.robot_hw import ControllerInfo, HardwareComponent, RobotHW
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.hardware.transmissions import (
     ActuatorToJointStateInterface,
@@ -47,7 +43,9 @@ from station.core.hardware.transmissions import (
     TransmissionInfo,
     TransmissionInterfaceLoader,
 )
-from station.core.hardware.transmissions.hardware_interface_kind import interface_of
+from station.core.hardware.transmissions.transmission_interface_loader import (
+    interface_of,
+)
 from station.core.parameters import Parameters
 from station.hw.mujoco.bases import RollingBase, joints_of_base
 from station.hw.mujoco.description_repair import log_repairs, repair_robot

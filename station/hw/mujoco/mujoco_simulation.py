@@ -8,10 +8,10 @@ from math import inf, sqrt
 import mujoco
 import numpy as np
 
-from station.core.description.repair import Repair
 from station.core.description.robot_files import RobotFiles
 from station.core.description.srdf import disabled_collisions
 from station.core.description.urdf import Joint, JointType, Pose, Urdf
+from station.core.description.urdf_repair import Repair
 from station.core.errors import ParameterError, RobotDescriptionError
 from station.core.geometry.scene import SceneObject
 from station.hw.mujoco.joint_drives import VELOCITY_GAIN

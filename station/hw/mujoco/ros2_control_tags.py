@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from xml.etree import ElementTree as ET
 
-from station.core.description.repair import Repair
 from station.core.description.robot_files import RobotFiles
 from station.core.description.ros2_control import (
     ComponentTag,
@@ -21,6 +20,7 @@ from station.core.description.ros2_control import (
     read_ros2_control,
 )
 from station.core.description.urdf_parser import read_joint_limit
+from station.core.description.urdf_repair import Repair
 from station.core.description.urdf_text import element_text, parse_robot
 from station.core.errors import RobotDescriptionError
 from station.hw.mujoco.mujoco_robot_parameters import SensorRequest, SensorType

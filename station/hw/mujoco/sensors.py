@@ -23,7 +23,7 @@ from station.core.hardware.interfaces import (
     ImuSensorInterface,
     ValuesSensorHandle,
 )
-from station.core.hardware.interfaces.semantic import (
+from station.core.hardware.interfaces.sensors import (
     SEMANTIC_INTERFACES,
     SEMANTIC_VALUES,
 )

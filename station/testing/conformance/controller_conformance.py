@@ -6,8 +6,7 @@ from typing import Protocol
 
 import pytest
 
-from station.core.control.controller import ControllerBase
-from station.core.control.controller_status import ControllerStatus
+from station.core.control.controller import ControllerBase, ControllerStatus
 from station.core.control.switching import SwitchResult
 from station.core.errors import StationError
 from station.core.hardware.interfaces import JointStateInterface

@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from station.client import ApiError, StationClient
-from station.core.control import loading as loading_of_core, switching
+from station.core.control import controller_factory, switching
 from station.core.control.controller_loader import TableLoader
 from station.wire import controllers
 from tests.api.conftest import OPERATOR
@@ -299,7 +299,7 @@ def test_loading_that_takes_longer_than_its_timeout_is_refused(station, client):
 
 
 def test_the_default_limits_are_those_of_the_core():
-    assert controllers.LOAD_TIMEOUT == loading_of_core.LOAD_TIMEOUT
+    assert controllers.LOAD_TIMEOUT == controller_factory.LOAD_TIMEOUT
     assert controllers.SWITCH_BOUND == switching.SWITCH_BOUND
 
 

@@ -15,8 +15,11 @@ from station.controllers.joint_trajectory_controller.motion_primitives import (
     MotionPrimitive,
     MotionSequences,
 )
-from station.core.description.chains_of_frames import chain_to, ends_of_chain
-from station.core.description.robot_description import RobotDescription
+from station.core.description.robot_description import (
+    RobotDescription,
+    chain_to,
+    ends_of_chain,
+)
 from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import (

@@ -2,10 +2,10 @@
 
 from dataclasses import fields
 
-from station.core.control.controller import JointStates
-from station.core.control.controller_status import (
+from station.core.control.controller import (
     ControllerStatistics,
     ControllerStatus,
+    JointStates,
 )
 
 

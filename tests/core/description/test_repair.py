@@ -1,6 +1,6 @@
 """A repair in words."""
 
-from station.core.description.repair import Repair
+from station.core.description.urdf_repair import Repair
 
 
 def test_sentence_has_the_old_value_if_there_is_one() -> None:

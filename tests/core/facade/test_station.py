@@ -6,10 +6,13 @@ Interfaces, and who claims what.
 import pytest
 
 from station.core.clock import ManualClock
-from station.core.control.controller import Controller, ControllerState
+from station.core.control.controller import (
+    Controller,
+    ControllerState,
+    ControllerStatus,
+)
 from station.core.control.controller_loader import ControllerLoader
 from station.core.control.controller_manager import ControllerManager
-from station.core.control.controller_status import ControllerStatus
 from station.core.control.switching import SwitchRequest
 from station.core.control.tunables import Tunable, Tunables
 from station.core.errors import (

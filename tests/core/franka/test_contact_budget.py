@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from station.core.franka.contact_budget import REGIONS, contact_budget
+from station.core.franka.franka_services import REGIONS, contact_budget
 
 
 def slider(mass: float) -> tuple[list[float], list[float]]:

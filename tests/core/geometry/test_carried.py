@@ -6,7 +6,7 @@ import pytest
 
 from station.core.description.urdf import Pose
 from station.core.errors import SceneRefusedError
-from station.core.geometry.carried import enclosing_capsules, load_of
+from station.core.geometry.capsules import enclosing_capsules, load_of
 from station.core.geometry.scene import SceneObject
 
 GRIP = Pose.from_rpy((0.02, -0.03, 0.2), (0.3, -0.4, 0.5))

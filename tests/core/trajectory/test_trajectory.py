@@ -2,8 +2,8 @@
 
 import pytest
 
+from station.core.control.controller import TrajectoryPort
 from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
-from station.core.trajectory.trajectory_port import TrajectoryPort
 
 
 @pytest.mark.parametrize(

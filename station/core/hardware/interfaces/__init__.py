@@ -1,9 +1,5 @@
 """Handles and hardware interfaces, one family in each file."""
 
-from station.core.hardware.interfaces.interface_manager import (
-    InterfaceManager as InterfaceManager,
-    interface_type_name as interface_type_name,
-)
 from station.core.hardware.interfaces.joint import (
     ActuatorCommandInterface as ActuatorCommandInterface,
     ActuatorHandle as ActuatorHandle,
@@ -37,23 +33,23 @@ from station.core.hardware.interfaces.pos_vel import (
 )
 from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager as HardwareResourceManager,
+    InterfaceManager as InterfaceManager,
     ResourceHandle as ResourceHandle,
     ResourceManager as ResourceManager,
+    interface_type_name as interface_type_name,
 )
-from station.core.hardware.interfaces.semantic import (
+from station.core.hardware.interfaces.sensors import (
     BatterySensorInterface as BatterySensorInterface,
+    ForceTorqueSensorHandle as ForceTorqueSensorHandle,
+    ForceTorqueSensorInterface as ForceTorqueSensorInterface,
     GpioCommandHandle as GpioCommandHandle,
     GpioCommandInterface as GpioCommandInterface,
     GpioStateHandle as GpioStateHandle,
     GpioStateInterface as GpioStateInterface,
     GpsSensorInterface as GpsSensorInterface,
+    ImuSensorHandle as ImuSensorHandle,
+    ImuSensorInterface as ImuSensorInterface,
     MagneticFieldSensorInterface as MagneticFieldSensorInterface,
     RangeSensorInterface as RangeSensorInterface,
     ValuesSensorHandle as ValuesSensorHandle,
-)
-from station.core.hardware.interfaces.sensors import (
-    ForceTorqueSensorHandle as ForceTorqueSensorHandle,
-    ForceTorqueSensorInterface as ForceTorqueSensorInterface,
-    ImuSensorHandle as ImuSensorHandle,
-    ImuSensorInterface as ImuSensorInterface,
 )

@@ -8,6 +8,11 @@ from station.core.hardware.limits.joint_limits import (
     JointLimits as JointLimits,
     JointLimitsError as JointLimitsError,
     SoftJointLimits as SoftJointLimits,
+    joint_limits_from_parameters as joint_limits_from_parameters,
+    joint_limits_from_urdf as joint_limits_from_urdf,
+    limits_without_effect as limits_without_effect,
+    soft_joint_limits_from_parameters as soft_joint_limits_from_parameters,
+    soft_joint_limits_from_urdf as soft_joint_limits_from_urdf,
 )
 from station.core.hardware.limits.joint_limits_handle import (
     Clamp as Clamp,
@@ -34,11 +39,4 @@ from station.core.hardware.limits.joint_limits_interface import (
     VelocityJointRateLimitsInterface as VelocityJointRateLimitsInterface,
     VelocityJointSaturationInterface as VelocityJointSaturationInterface,
     VelocityJointSoftLimitsInterface as VelocityJointSoftLimitsInterface,
-)
-from station.core.hardware.limits.limit_sources import (
-    joint_limits_from_parameters as joint_limits_from_parameters,
-    joint_limits_from_urdf as joint_limits_from_urdf,
-    limits_without_effect as limits_without_effect,
-    soft_joint_limits_from_parameters as soft_joint_limits_from_parameters,
-    soft_joint_limits_from_urdf as soft_joint_limits_from_urdf,
 )

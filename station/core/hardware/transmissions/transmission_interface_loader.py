@@ -1,8 +1,9 @@
 """Connect joints and actuators of a robot by transmissions, and offer the joints.
 
 Source: ros_control@633c374 transmission_interface_loader.cpp and the providers of joint
-interfaces beside it; differs: failures raise, and a joint has an absolute position and
-a torque sensor only if all actuators of its transmission have one.
+interfaces beside it, which transmission_interface/ros_control_plugins.xml lists;
+differs: failures raise, and a joint has an absolute position and a torque sensor only
+if all actuators of its transmission have one.
 
 As in the original, roles determine the order of a transmission's parameters, but its
 joints and actuators stay in the order of the document. They must therefore be listed in
@@ -15,49 +16,130 @@ from math import nan
 from typing import TypeVar
 
 from station.core.errors import HardwareInterfaceError, ResourceNotFoundError
-from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.interfaces.joint import (
+    ActuatorCommandInterface,
     ActuatorHandle,
     ActuatorStateHandle,
     ActuatorStateInterface,
+    EffortActuatorInterface,
+    EffortJointInterface,
+    JointCommandInterface,
     JointHandle,
     JointStateHandle,
     JointStateInterface,
+    PositionActuatorInterface,
+    PositionJointInterface,
+    VelocityActuatorInterface,
+    VelocityJointInterface,
 )
 from station.core.hardware.interfaces.resource_manager import (
+    InterfaceManager,
     ResourceHandle,
     ResourceManager,
 )
 from station.core.hardware.slots import Slot
-from station.core.hardware.transmissions.hardware_interface_kind import (
-    HARDWARE_INTERFACES,
-    CommandKind,
-    interface_of,
-)
-from station.core.hardware.transmissions.parser import (
-    TransmissionInfo,
-    TransmissionParser,
-)
 from station.core.hardware.transmissions.transmission import (
     Transmission,
     TransmissionInterfaceError,
 )
-from station.core.hardware.transmissions.transmission_handle import (
+from station.core.hardware.transmissions.transmission_interface import (
     SENSORS,
     STATE,
     ActuatorData,
-    JointData,
-)
-from station.core.hardware.transmissions.transmission_interface import (
+    ActuatorToJointEffortInterface,
+    ActuatorToJointPositionInterface,
     ActuatorToJointStateInterface,
+    ActuatorToJointVelocityInterface,
+    JointData,
+    JointToActuatorEffortInterface,
+    JointToActuatorPositionInterface,
     JointToActuatorStateInterface,
+    JointToActuatorVelocityInterface,
     RobotTransmissions,
+    TransmissionInterface,
 )
 from station.core.hardware.transmissions.transmission_loader import (
     TransmissionFactory,
+    TransmissionInfo,
+    TransmissionParser,
     load_transmission,
 )
 from station.memory.doubles import Storage, doubles
+
+_Interface = TypeVar("_Interface")
+
+
+def interface_of(
+    manager: InterfaceManager, interface_type: type[_Interface]
+) -> _Interface:
+    """Return an interface of a manager; register a new one if it has none.
+
+    Args:
+        manager: A robot or its transmissions.
+        interface_type: Type of the interface; it is constructed without arguments.
+
+    Returns:
+        The interface.
+    """
+    interface = manager.get(interface_type)
+    if interface is None:
+        interface = interface_type()
+        manager.register_interface(interface)
+    return interface
+
+
+@dataclass(frozen=True, slots=True)
+class CommandKind:
+    """The interfaces that belong to one kind of command.
+
+    Attributes:
+        quantity: "position", "velocity" or "effort".
+        joint_interface: The interface through which controllers command joints.
+        actuator_interface: The interface through which the robot offers its actuators.
+        to_actuator: Carries joint commands to actuator commands.
+        to_joint: Carries actuator commands back to joint commands.
+    """
+
+    quantity: str
+    joint_interface: type[JointCommandInterface]
+    actuator_interface: type[ActuatorCommandInterface]
+    to_actuator: type[TransmissionInterface]
+    to_joint: type[TransmissionInterface]
+
+
+_POSITION = CommandKind(
+    "position",
+    PositionJointInterface,
+    PositionActuatorInterface,
+    JointToActuatorPositionInterface,
+    ActuatorToJointPositionInterface,
+)
+_VELOCITY = CommandKind(
+    "velocity",
+    VelocityJointInterface,
+    VelocityActuatorInterface,
+    JointToActuatorVelocityInterface,
+    ActuatorToJointVelocityInterface,
+)
+_EFFORT = CommandKind(
+    "effort",
+    EffortJointInterface,
+    EffortActuatorInterface,
+    JointToActuatorEffortInterface,
+    ActuatorToJointEffortInterface,
+)
+
+HARDWARE_INTERFACES: Mapping[str, tuple[CommandKind | None, bool]] = {
+    "hardware_interface/JointStateInterface": (None, False),
+    "hardware_interface/PositionJointInterface": (_POSITION, False),
+    "hardware_interface/VelocityJointInterface": (_VELOCITY, False),
+    "hardware_interface/EffortJointInterface": (_EFFORT, False),
+    "hardware_interface/BiDirectionalPositionJointInterface": (_POSITION, True),
+    "hardware_interface/BiDirectionalVelocityJointInterface": (_VELOCITY, True),
+    "hardware_interface/BiDirectionalEffortJointInterface": (_EFFORT, True),
+}
+"""By name of a `<hardwareInterface>`: the kind of command, None for state only, and
+whether values are carried in both directions."""
 
 
 class RawJointData:

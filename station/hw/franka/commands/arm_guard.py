@@ -8,8 +8,7 @@ from typing_extensions import override
 from station.core.description.urdf import Pose
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import RobotState
-from station.core.geometry.capsules import LinkCapsule
-from station.core.geometry.carried import enclosing_capsules
+from station.core.geometry.capsules import LinkCapsule, enclosing_capsules
 from station.core.geometry.clearances import Clearances
 from station.core.geometry.guard import CANNOT_STOP, PASSES, SLOWED, Guard
 from station.core.geometry.scene import HAND, SceneObject, solid_of

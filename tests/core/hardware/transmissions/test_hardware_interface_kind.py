@@ -4,7 +4,7 @@ import pytest
 
 from station.core.hardware.interfaces import JointStateInterface
 from station.core.hardware.robot_hw import RobotHW
-from station.core.hardware.transmissions.hardware_interface_kind import (
+from station.core.hardware.transmissions.transmission_interface_loader import (
     HARDWARE_INTERFACES,
     interface_of,
 )
