@@ -29,9 +29,8 @@ from measuring import print_table, print_title
 
 from station.experiments.designs import parse_range, points
 from station.experiments.experiment import ROBUSTNESS_RANGES, sweep
-from station.experiments.pools import NICENESS, make_pool
+from station.experiments.pools import NICENESS, be_polite, make_pool
 from station.experiments.trial_world import TrialWorld, default_script
-from station.experiments.workers import be_polite
 from station.trials.analysis import ranked, summary
 from station.trials.results import Results
 from station.trials.trial import Script, Setup, Trial

@@ -31,12 +31,11 @@ from station.core.facade.station import Station
 from station.events import Alarms, EventLog
 from station.library.gain_sets import GainSets
 from station.library.path_player import PathPlayer, PlayOptions
-from station.library.plot_layouts import PlotLayouts
-from station.library.scenes import SavedScenes
 from station.library.waypoint_paths import WaypointPaths
+from station.library.yaml_folder import PlotLayouts, SavedScenes
 from station.rehearsal.rehearsals import Rehearsals
 from station.trials.background_experiments import BackgroundExperiments
-from station.trials.bench_runs import KeptRuns
+from station.trials.bench_analysis import KeptRuns
 from station.trials.lesson_attempts import LessonAttempts
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins

@@ -1,6 +1,8 @@
 """Filter states, and export the filtered values for other controllers.
 
-The states have the names of ROS 2, e.g. `joint1/position`.
+Source: ros2_controllers@6.x chained_filter_controller/src/chained_filter.cpp. The names
+of states are those of ROS 2, e.g. `joint1/position`: ros2_control@6.x
+hardware_interface/doc/hardware_interface_types_userdoc.rst.
 """
 
 from collections.abc import Callable, Sequence

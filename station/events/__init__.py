@@ -5,7 +5,7 @@ from station.events.alarms import (
     AlarmNotFoundError as AlarmNotFoundError,
     Alarms as Alarms,
 )
-from station.events.event import Origin as Origin
+from station.events.event_file import Origin as Origin
 from station.events.event_log import (
     EventLog as EventLog,
     EventLogState as EventLogState,

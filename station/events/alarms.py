@@ -14,7 +14,7 @@ from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.franka_robot_state import RobotMode
 from station.core.loop.stop_latch import StopState
-from station.events.event import STATION, Origin
+from station.events.event_file import STATION, Origin
 from station.events.event_log import EventLog
 from station.reports import EventKind, Severity
 

@@ -1,16 +1,17 @@
-"""Events in an SQLite file: appended in batches, bounded in number and age.
+"""Events with their origins, kept in an SQLite file that is bounded in number and age.
 
-The write-ahead log survives the death of the process at any moment: events that were
-written before a `kill -9` are in the file afterwards.
+Events are appended in batches. The write-ahead log survives the death of the process at
+any moment: events that were written before a `kill -9` are in the file afterwards.
 """
 
 import json
 import sqlite3
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
 
-from station.events.event import written_details
 from station.reports import Event, EventKind, Severity
 
 _COLUMNS = (
@@ -30,6 +31,10 @@ _INSERT = f"INSERT OR IGNORE INTO events ({_COLUMNS}) VALUES ({', '.join('?' * 1
 BUSY_TIMEOUT = 2.0
 """Longest wait for another connection to the file [s]."""
 _SEVERITIES = tuple(Severity)
+MAX_TEXT = 500
+"""Longest text that an event keeps [characters]; the rest is cut off."""
+MAX_DETAILS = 4000
+"""Longest details as JSON [characters]; longer ones become one text that is cut off."""
 
 
 class EventFile:
@@ -198,3 +203,52 @@ def _event(row: tuple[object, ...]) -> Event:
         request_id=request_id,
         boot_id=boot_id,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The origin of an event.
+
+    Attributes:
+        who: Name of the token or person; empty for the station itself.
+        where: Address that the request came from; empty for the station itself.
+        request_id: Name of the request, as in its answer; empty without a request.
+    """
+
+    who: str = ""
+    where: str = ""
+    request_id: str = ""
+
+
+STATION = Origin()
+"""The station itself."""
+
+
+def written_details(details: Mapping[str, object]) -> str:
+    """Return details as JSON of at most `MAX_DETAILS` characters.
+
+    Args:
+        details: Anything; values of types that JSON does not have are written as text,
+            and numbers that are not finite as null.
+    """
+    if not details:
+        return "{}"
+    # JSON has no NaN: `_plain` has replaced it by null.
+    text = json.dumps(_plain(details), allow_nan=False)
+    if len(text) <= MAX_DETAILS:
+        return text
+    return json.dumps({"shortened": text[: MAX_DETAILS // 2]})
+
+
+def _plain(value: object) -> object:
+    """Return a value with only the types that JSON has."""
+    if isinstance(value, float):
+        # The difference is 0 unless the value is NaN or infinite.
+        return value if value - value == 0.0 else None
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [_plain(each) for each in value]
+    if isinstance(value, Enum):
+        return _plain(value.value)
+    return value if value is None or isinstance(value, (bool, int)) else str(value)

@@ -11,8 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from station.core.user_files import make_private_folder
-from station.events.event import MAX_TEXT, STATION, Origin, written_details
-from station.events.event_file import EventFile
+from station.events.event_file import (
+    MAX_TEXT,
+    STATION,
+    EventFile,
+    Origin,
+    written_details,
+)
 from station.reports import Event, EventKind, Severity
 
 MAX_EVENTS = 50_000

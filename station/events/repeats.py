@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from station.events.event import Origin
+from station.events.event_file import Origin
 from station.events.event_log import EventLog
 from station.reports import Event, EventKind, Severity
 

@@ -16,9 +16,8 @@ from typing import IO
 
 from station.core.errors import StationError
 from station.experiments.experiment import carry_out, prepare
-from station.experiments.pools import NICENESS, make_pool
+from station.experiments.pools import NICENESS, be_polite, kept_world, make_pool
 from station.experiments.runner import Progress
-from station.experiments.workers import be_polite, kept_world
 from station.trials.analysis import best_of, first_of
 from station.trials.results import Results, file_of
 from station.trials.trial import Setup

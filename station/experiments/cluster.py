@@ -10,7 +10,7 @@ from distributed.comm import parse_address, parse_host_port
 from typing_extensions import override
 
 from station.core.errors import StationError
-from station.experiments.workers import Identity, compare, identity
+from station.experiments.pools import Identity, compare, identity
 from station.trials.errors import ExperimentError
 
 P = ParamSpec("P")

@@ -6,8 +6,8 @@ import numpy as np
 
 from station.core.errors import suggest
 from station.records.cycle_messages import CONTROLLERS, CYCLES, JOINT_STATES
-from station.records.export import Columns, columns
 from station.records.recording_reader import read_messages
+from station.records.recording_table import Columns, columns
 from station.trials.errors import ExperimentError
 from station.trials.trace import Array, Trace
 from station.trials.trial import Script

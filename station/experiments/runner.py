@@ -7,8 +7,14 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import inf
 
-from station.experiments.pools import losses, refusals, worker_count
-from station.experiments.workers import Identity, identity, run_trials
+from station.experiments.pools import (
+    Identity,
+    identity,
+    losses,
+    refusals,
+    run_trials,
+    worker_count,
+)
 from station.trials.errors import ExperimentError, WorkerMismatchError
 from station.trials.results import Results
 from station.trials.trial import Trial, TrialResult

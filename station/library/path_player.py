@@ -11,8 +11,7 @@ from station.core.facade.motion_commands import MotionCommands
 from station.core.loop.control_loop import ControlLoop
 from station.core.ports.goal import Goal, GoalStatus
 from station.core.ports.receipt import Receipt
-from station.library.path_plan import PathPlan, plan_path
-from station.library.waypoint_paths import WaypointPaths
+from station.library.waypoint_paths import PathPlan, WaypointPaths, plan_path
 from station.reports import Playback, PlaybackState, WaypointPath
 
 SLOWEST, FASTEST = 0.05, 2.0

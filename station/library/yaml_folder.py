@@ -1,20 +1,35 @@
-"""YAML files in a folder of the user, one for each named thing."""
+"""YAML files in a folder of the user, one for each named thing: plot layouts, scenes.
+
+Plot layouts are the plots that a page shows; scenes are the objects with a role.
+"""
 
 import os
 import re
 import tempfile
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
+from math import inf
 from pathlib import Path
 from typing import Generic, TypeVar
 
 import yaml
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
+from typing_extensions import override
 
-from station.core.errors import ConfigError, StationError, show, suggest
+from station.core.errors import (
+    ConfigError,
+    PlotLayoutError,
+    PlotLayoutNotFoundError,
+    SavedSceneError,
+    SavedSceneNotFoundError,
+    StationError,
+    show,
+    suggest,
+)
+from station.core.geometry.scene import read_object
 from station.core.user_files import (
     changing,
     make_private_folder,
@@ -22,6 +37,7 @@ from station.core.user_files import (
     user_folder,
 )
 from station.core.yaml_reader import FILE, parse_yaml
+from station.reports import DockSettings, PlotLayout, PlotSettings, SavedScene
 
 ThingT = TypeVar("ThingT")
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
@@ -230,3 +246,100 @@ class Library(Generic[ThingT]):
         now = datetime.now(UTC).isoformat(timespec="seconds")
         self._files.write(name, {"saved_at": now, **content})
         return now
+
+
+_PLOT_LAYOUT = FileKind(
+    "plot layout", "plot-layouts", PlotLayoutNotFoundError, PlotLayoutError
+)
+_PLOTS = TypeAdapter(tuple[PlotSettings, ...])
+_DOCKS = TypeAdapter(DockSettings | None)
+
+
+class PlotLayouts(Library[PlotLayout]):
+    """The plot layouts in a folder. Any thread.
+
+    Args:
+        folder: Folder of the files; the user's own folder when None.
+    """
+
+    def __init__(self, folder: Path | None = None) -> None:
+        super().__init__(_PLOT_LAYOUT, folder)
+
+    def save(
+        self,
+        name: str,
+        plots: Sequence[PlotSettings],
+        docks: DockSettings | None = None,
+    ) -> PlotLayout:
+        """Save a layout; it replaces a layout of the same name.
+
+        Args:
+            name: Its name.
+            plots: Its plots.
+            docks: Folds and sizes of the docks; None keeps those of the layout.
+
+        Raises:
+            PlotLayoutNotFoundError: The name is not allowed.
+            PlotLayoutError: The file cannot be written.
+        """
+        with self._files.changing(name):
+            if docks is None and name in self.names():
+                docks = self.get(name).docks
+            content: dict[str, object] = {"plots": [asdict(plot) for plot in plots]}
+            if docks is not None:
+                content["docks"] = asdict(docks)
+            now = self._write(name, content)
+        return PlotLayout(name, now, tuple(plots), docks)
+
+    @override
+    def _parse(
+        self, name: str, saved_at: str, data: Mapping[str, object]
+    ) -> PlotLayout:
+        plots = _PLOTS.validate_python(data.get("plots"))
+        for number, plot in enumerate(plots, 1):
+            if not 0.0 < plot.span < inf:
+                raise ValueError(f"its plot {number} shows {plot.span} s")
+        return PlotLayout(
+            name, saved_at, plots, _DOCKS.validate_python(data.get("docks"))
+        )
+
+
+_SCENE = FileKind("scene", "scenes", SavedSceneNotFoundError, SavedSceneError)
+
+
+class SavedScenes(Library[SavedScene]):
+    """The scenes in a folder. Any thread.
+
+    Args:
+        folder: Folder of the files; the user's own folder when None.
+    """
+
+    def __init__(self, folder: Path | None = None) -> None:
+        super().__init__(_SCENE, folder)
+
+    def save(self, name: str, objects: Sequence[Mapping[str, object]]) -> SavedScene:
+        """Save the objects of a scene; they replace a scene of the same name.
+
+        Args:
+            name: Its name.
+            objects: The objects, in the form of `scene/objects` in the configuration.
+
+        Raises:
+            SavedSceneNotFoundError: The name is not allowed.
+            SavedSceneError: The file cannot be written.
+        """
+        entries = [dict(one) for one in objects]
+        with self._files.changing(name):
+            now = self._write(name, {"objects": entries})
+        return SavedScene(name, now, entries)
+
+    @override
+    def _parse(
+        self, name: str, saved_at: str, data: Mapping[str, object]
+    ) -> SavedScene:
+        objects = data.get("objects")
+        if not isinstance(objects, list):
+            raise ValueError("it has no list 'objects'")  # noqa: TRY004 - of a file
+        for number, entry in enumerate(objects):
+            read_object(entry, f"objects/{number}")
+        return SavedScene(name, saved_at, objects)

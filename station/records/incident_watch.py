@@ -3,7 +3,7 @@
 from collections import deque
 
 from station.core.facade.station import Station
-from station.records.cycle_row import Row, RowForm
+from station.records.cycle_messages import Row, RowForm
 
 REFLEX_MODES = frozenset({"reflex", "user_stopped"})
 BURST = 5

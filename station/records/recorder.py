@@ -20,14 +20,12 @@ from station.core.errors import (
     RecordingRefusedError,
 )
 from station.core.facade.station import Station
-from station.records.cycle_messages import CycleMessages
-from station.records.cycle_row import RowPacker
+from station.records.cycle_messages import CycleMessages, RowPacker
 from station.records.cycle_sources import sources_of
 from station.records.incident_watch import IncidentWatch
 from station.records.mcap_file import DiskFile, McapFile
 from station.records.record_store import FAILED, RecordingInfo, RecordStore
-from station.records.recorded_inputs import RecordedInputs
-from station.records.recording import GAINS, INPUTS, Recording
+from station.records.recording import GAINS, INPUTS, RecordedInputs, Recording
 
 if TYPE_CHECKING:
     from station.records.recording_events import RecordedEvent

@@ -17,8 +17,10 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from station.testing.bench import Bench as Bench
-from station.testing.hook_script import HookScript as HookScript
-from station.testing.scripted import ScriptedBench as ScriptedBench
+from station.testing.scripted import (
+    HookScript as HookScript,
+    ScriptedBench as ScriptedBench,
+)
 from station.testing.storm import StormReport as StormReport, storm as storm
 from station.testing.switch_observer import SwitchObserver as SwitchObserver
 

@@ -2,7 +2,7 @@
 
 import json
 
-from station.events.event import MAX_DETAILS, written_details
+from station.events.event_file import MAX_DETAILS, written_details
 from station.reports import EventKind, Severity
 
 

@@ -11,8 +11,7 @@ import threading
 import pytest
 
 from station.events import event_log
-from station.events.event import Origin
-from station.events.event_file import EventFile
+from station.events.event_file import EventFile, Origin
 from station.events.event_log import IN_MEMORY, EventLog
 from station.reports import EventKind, Severity
 from tests.waiting import PATIENCE

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.events.event import Origin
+from station.events.event_file import Origin
 from station.events.event_log import EventLog
 from station.events.repeats import FREE, MOST_KINDS, WINDOW, Repeats
 from station.reports import EventKind

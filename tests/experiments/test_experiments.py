@@ -11,8 +11,8 @@ from station.experiments.plots import KINDS, pareto_front, plot
 from station.experiments.pools import InThisProcess
 from station.experiments.trial_world import default_script, small_motions
 from station.trials.analysis import goal_as_plan, ranked
+from station.trials.background_experiments import ExperimentProcess
 from station.trials.errors import ExperimentError
-from station.trials.experiment_process import ExperimentProcess
 from station.trials.goal import Goal
 from station.trials.results import Results
 from station.trials.trial import TrialResult

@@ -7,7 +7,7 @@ from station.app.in_process import InProcessStation
 from station.core.errors import RecordingFileError
 from station.experiments.identification import identify
 from station.experiments.recordings import recorded_script, recorded_trace
-from station.records.export import columns
+from station.records.recording_table import columns
 from station.trials.errors import ExperimentError
 from station.trials.trial import Trial
 from tests.experiments.conftest import GROUP

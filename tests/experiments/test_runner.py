@@ -6,9 +6,8 @@ from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
-from station.experiments.pools import InThisProcess, make_pool
+from station.experiments.pools import InThisProcess, compare, identity, make_pool
 from station.experiments.runner import Runner
-from station.experiments.workers import compare, identity
 from station.trials.errors import ExperimentError, WorkerMismatchError
 from station.trials.results import Results
 from station.trials.trial import Script, Setup, Trial

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from station.experiments import workers
-from station.experiments.workers import compare, identity, run_trials
+from station.experiments import pools
+from station.experiments.pools import compare, identity, run_trials
 from station.trials.errors import WorkerMismatchError
 
 
@@ -21,9 +21,9 @@ def test_each_difference_is_named_with_both_values(step, what):
 
 def test_a_worker_with_another_mujoco_runs_no_trial(step, monkeypatch):
     expected = identity(step.setup.text)
-    monkeypatch.setattr(workers.mujoco, "mj_versionString", lambda: "2.3.7")
-    monkeypatch.setattr(workers, "_checked", set())
+    monkeypatch.setattr(pools.mujoco, "mj_versionString", lambda: "2.3.7")
+    monkeypatch.setattr(pools, "_checked", set())
 
     with pytest.raises(WorkerMismatchError, match=r"has mujoco 2\.3\.7; the"):
         run_trials(step.setup.text, [step.to_json()], expected)
-    assert workers._checked == set()
+    assert pools._checked == set()

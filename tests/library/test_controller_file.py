@@ -7,7 +7,7 @@ import yaml
 
 from station.controllers import CONTROLLERS
 from station.core.errors import ControllerNotFoundError
-from station.library.controller_file import controller_file, write_gains
+from station.library.gain_sets import controller_file, write_gains
 from tests.api.spring import make_station
 from tests.conformance.benches import bench_for
 

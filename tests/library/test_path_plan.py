@@ -4,7 +4,7 @@ import pytest
 
 from station.core.errors import InvalidTrajectoryError
 from station.core.hardware.limits import JointLimits
-from station.library.path_plan import plan_path
+from station.library.waypoint_paths import plan_path
 from station.reports import Waypoint, WaypointPath
 
 PATH = WaypointPath(

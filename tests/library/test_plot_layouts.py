@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.errors import PlotLayoutError, PlotLayoutNotFoundError
-from station.library.plot_layouts import PlotLayouts
+from station.library.yaml_folder import PlotLayouts
 from station.reports import DockSettings, PlotSettings
 
 PLOTS = (

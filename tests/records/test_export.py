@@ -9,7 +9,7 @@ from pyarrow import parquet
 
 from station.core.control.switching import SwitchRequest
 from station.core.errors import RecordingRefusedError
-from station.records.export import columns, export
+from station.records.recording_table import columns, export
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ import json
 import pytest
 
 from station.core.control.switching import SwitchRequest
-from station.records import recorded_inputs
-from station.records.recorded_inputs import RecordedInputs
+from station.records import recording
+from station.records.recording import RecordedInputs
 
 
 @pytest.fixture
@@ -58,7 +58,7 @@ def test_cycles_that_are_late_or_without_time_are_inputs(inputs, written):
 def test_more_inputs_than_a_recording_can_have_are_told_once(
     inputs, written, monkeypatch
 ):
-    monkeypatch.setattr(recorded_inputs, "MOST_INPUTS", 2)
+    monkeypatch.setattr(recording, "MOST_INPUTS", 2)
     for cycle in range(5):
         inputs.note_periods(cycle, 2)
 

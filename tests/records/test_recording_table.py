@@ -13,9 +13,8 @@ from station.core.franka.franka_robot_state import RobotState
 from station.records import messages
 from station.records.cdr import Form
 from station.records.cycle_messages import CycleMessages
-from station.records.export import csv_pieces
 from station.records.recording_reader import read_messages
-from station.records.recording_table import Choice, RecordingTable
+from station.records.recording_table import Choice, RecordingTable, csv_pieces
 
 
 def _record(station, recorder, store, cycles):

@@ -20,8 +20,7 @@ from station.core.errors import (
 from station.core.franka.franka_errors import ERROR_NAMES
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.records import messages
-from station.records.cycle_messages import CycleMessages
-from station.records.cycle_row import RowPacker
+from station.records.cycle_messages import CycleMessages, RowPacker
 from station.records.mcap_file import DiskFile
 from station.records.mcap_recovery import recover_file
 from station.records.record_store import (

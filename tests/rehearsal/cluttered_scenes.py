@@ -13,8 +13,7 @@ import numpy as np
 
 import station
 from station.core.errors import NoPathError
-from station.rehearsal.planning import Wish, plan
-from station.rehearsal.pose_judge import MARGIN
+from station.rehearsal.planning import MARGIN, Wish, plan
 from station.rehearsal.rehearsals import Rehearsals
 
 ARM = "position_joint_trajectory_controller"

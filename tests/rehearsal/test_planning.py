@@ -14,8 +14,7 @@ from station.core.errors import (
 )
 from station.core.franka.arms import Arms
 from station.rehearsal.path_search import PathSearch
-from station.rehearsal.planning import Wish
-from station.rehearsal.pose_judge import PoseJudge
+from station.rehearsal.planning import PoseJudge, Wish
 from station.rehearsal.rehearsals import Rehearsals
 from tests.rehearsal.cluttered_scenes import Scene
 

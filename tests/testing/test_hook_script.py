@@ -4,7 +4,7 @@ import pytest
 
 from station.core import SwitchRefusedError, SwitchState
 from station.testing.bench import Bench
-from station.testing.hook_script import HookError, HookScript
+from station.testing.scripted import HookError, HookScript
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.trials.bench_runs import KeptRuns
+from station.trials.bench_analysis import KeptRuns
 from station.trials.errors import BenchRunNotFoundError
 from station.wire.excitations import BenchResponse
 

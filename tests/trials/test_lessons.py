@@ -11,10 +11,9 @@ from station.app.composition import compose
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
 from station.core.franka.arms import Arms
-from station.trials.bench_runs import KeptRuns
+from station.trials.bench_analysis import KeptRuns
 from station.trials.errors import ExperimentError, LessonNotFoundError
-from station.trials.lesson_attempts import LessonAttempts
-from station.trials.lesson_book import open_book
+from station.trials.lesson_attempts import LessonAttempts, open_book
 from station.trials.live_bench import LiveBench
 from station.wire.excitations import BenchRequest, Chirp, Relay, Step
 

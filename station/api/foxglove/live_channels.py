@@ -8,8 +8,7 @@ from station.core.description.urdf import Urdf
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.records import messages
-from station.records.cycle_messages import CycleMessages, Message
-from station.records.cycle_row import Row, RowPacker
+from station.records.cycle_messages import CycleMessages, Message, Row, RowPacker
 from station.records.messages import transforms
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from station.api.routes.rehearsals import ByRehearsalDep
 from station.api.routes.routing import change, problems, routes_of
 from station.core.control import switching
 from station.core.facade.station import Station
-from station.library.controller_file import controller_file
+from station.library.gain_sets import controller_file
 from station.wire import Parameter, ParameterRequest
 
 _LOGGER = logging.getLogger(__name__)

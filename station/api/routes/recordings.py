@@ -289,8 +289,7 @@ def get_table(
     first. Columns of a channel without a message in a cycle have `nan`.
     """
     # Imported late, as in `get_trajectory`.
-    from station.records.export import csv_pieces
-    from station.records.recording_table import Choice
+    from station.records.recording_table import Choice, csv_pieces
 
     choice = Choice(tuple(channels), tuple(joints), rate)
     info = ended(store, identifier)

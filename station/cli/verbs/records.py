@@ -211,8 +211,7 @@ def _get(client: "StationClient", options: Namespace, *, is_incident: bool) -> i
     else:
         import tempfile
 
-        from station.records.export import export
-        from station.records.recording_table import Choice
+        from station.records.recording_table import Choice, export
 
         choice = Choice(tuple(options.channels), tuple(options.joints), options.rate)
         with tempfile.TemporaryDirectory() as folder:

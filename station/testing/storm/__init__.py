@@ -22,7 +22,7 @@ from station.core.loop.control_loop import ControlLoop
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
 from station.reports import LoopState
-from station.testing.hook_script import HookScript
+from station.testing.scripted import HookScript
 from station.testing.storm.storm_worker import (
     STORM_TYPE,
     Disturbances,

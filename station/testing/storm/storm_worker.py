@@ -39,7 +39,7 @@ from station.core.hardware.interfaces import (
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
 from station.core.parameters import Parameters
 from station.memory.doubles import zeros
-from station.testing.hook_script import HookScript
+from station.testing.scripted import HookScript
 from station.testing.switch_observer import CommandPlace, SwitchObserver, command_places
 
 

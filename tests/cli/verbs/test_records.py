@@ -117,7 +117,7 @@ def test_a_table_is_made_of_the_file(run, tmp_path, monkeypatch):
     def export(source, target, form, choice):
         target.write_text(f"{form} of {source.read_bytes()!r}: {choice}")
 
-    monkeypatch.setattr("station.records.export.export", export)
+    monkeypatch.setattr("station.records.recording_table.export", export)
     target = tmp_path / "x.csv"
 
     chosen = "--channels joint_states commands/effort --joints j --rate 100"

@@ -20,7 +20,7 @@ from station.core.errors import StationError
 from station.core.hardware.interfaces import EffortJointInterface
 from station.memory.doubles import zeros
 from station.testing.bench import Bench
-from station.testing.hook_script import HookScript
+from station.testing.scripted import HookScript
 from station.testing.switch_observer import ChainCheck, SwitchObserver
 
 JOINTS = ["j1", "j2", "j3"]

@@ -4,8 +4,7 @@ import pytest
 
 from station.core import ControllerManager
 from station.testing import RecordedBehaviour
-from station.testing.recorded.recorded_behaviour import RECORDED
-from station.testing.recorded.recorded_robot import RecordedRobot
+from station.testing.recorded.recorded_behaviour import RECORDED, RecordedRobot
 
 
 class Backwards(ControllerManager):
