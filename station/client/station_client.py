@@ -36,8 +36,8 @@ from station.local.station_locator import locate
 from station.local.tls import trust
 from station.wire import Controllers, JointStates, Status
 from station.wire.base import reader_of
-from station.wire.hardware import ComponentStateName
 from station.wire.protocol import PREFIX
+from station.wire.robots import ComponentStateName
 
 ModelT = TypeVar("ModelT")
 

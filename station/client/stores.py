@@ -8,7 +8,17 @@ from typing import Literal
 from station import wire
 from station.client.connection import ClientPart, NamedThings, Query
 from station.wire.controllers import GainsOfControllersPatch
-from station.wire.excitations import BenchResponse, BenchRun, BenchRuns, PartRequest
+from station.wire.excitations import (
+    BenchResponse,
+    BenchRun,
+    BenchRuns,
+    Lesson,
+    LessonBeginRequest,
+    LessonCheckRequest,
+    LessonResult,
+    Lessons,
+    PartRequest,
+)
 from station.wire.experiments import (
     Experiment,
     ExperimentApplyRequest,
@@ -19,13 +29,6 @@ from station.wire.experiments import (
     ExperimentSummary,
     ExperimentTrial,
     ExperimentTrials,
-)
-from station.wire.lessons import (
-    Lesson,
-    LessonBeginRequest,
-    LessonCheckRequest,
-    LessonResult,
-    Lessons,
 )
 
 _PLAYBACK = "/playback"

@@ -25,8 +25,8 @@ from station.reports import LoopState
 from station.trials.bench_analysis import KeptRuns, gain_names
 from station.trials.errors import ExperimentError, LessonNotFoundError
 from station.trials.excitations import Array
-from station.wire.excitations import BenchResponse
-from station.wire.lessons import (
+from station.wire.excitations import (
+    BenchResponse,
     Lesson,
     LessonAnswer,
     LessonResult,

@@ -17,8 +17,8 @@ from station.ui.link.station_link import StationLink
 from station.ui.link.station_view import StationView
 from station.ui.page.page_state import BarState, bar_state
 from station.ui.page.view_routes import ShownViews
+from station.ui.scene.layers.drag_layers import Pusher, Pushing, act_for_nobody
 from station.ui.scene.layers.layer import PlacedRobot, SceneFacts
-from station.ui.scene.layers.push_layer import Pusher, Pushing, act_for_nobody
 from station.ui.scene.layers.robot_layers import Trails
 from station.ui.scene.robot_model import RobotModel, RobotModelError, base_positions
 from station.ui.scene.robot_scene import RobotScene, prepare_room

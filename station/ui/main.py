@@ -15,11 +15,9 @@ from typing_extensions import override
 from station.client import ApiError, AsyncStationClient
 from station.ui.dashboard import Dashboard
 from station.ui.gateway.api_relay import ApiRelay
-from station.ui.gateway.gateway import GatewayParts, build_gateway
+from station.ui.gateway.gateway import GatewayParts, StopButton, build_gateway
 from station.ui.gateway.guard import origin_policy
-from station.ui.gateway.stop_button import StopButton
-from station.ui.gateway.viser_relay import ViserRelay
-from station.ui.gateway.viser_server import open_viser
+from station.ui.gateway.viser_relay import ViserRelay, open_viser
 from station.ui.link.station_access import StationAccess, StationFollower
 from station.ui.page.workspace_routes import WorkspaceParts
 from station.ui.scene.robot_model import RobotModel, RobotModelError, load_robot

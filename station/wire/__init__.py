@@ -33,18 +33,6 @@ from station.reports import (
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,
 )
-from station.wire.access import (
-    AgentAnswer as AgentAnswer,
-    AgentRequests as AgentRequests,
-    ControlPatch as ControlPatch,
-    ControlRequest as ControlRequest,
-    ControlState as ControlState,
-    NewToken as NewToken,
-    RoleName as RoleName,
-    Token as Token,
-    TokenRequest as TokenRequest,
-    Tokens as Tokens,
-)
 from station.wire.base import (
     ControllerName as ControllerName,
     RequestModel as RequestModel,
@@ -83,23 +71,7 @@ from station.wire.controllers import (
     TrajectoryRequest as TrajectoryRequest,
     Tunable as Tunable,
 )
-from station.wire.events import (
-    Alarm as Alarm,
-    Alarms as Alarms,
-    EventKindName as EventKindName,
-    Events as Events,
-    SeverityName as SeverityName,
-)
 from station.wire.experiments import ExperimentRequest as ExperimentRequest
-from station.wire.hardware import (
-    Clamp as Clamp,
-    Hardware as Hardware,
-    HardwareComponents as HardwareComponents,
-    HardwareComponentStateRequest as HardwareComponentStateRequest,
-    HardwareLimits as HardwareLimits,
-    HardwareRepair as HardwareRepair,
-    SoftLimits as SoftLimits,
-)
 from station.wire.library import (
     CaptureRequest as CaptureRequest,
     DocksRequest as DocksRequest,
@@ -129,13 +101,18 @@ from station.wire.protocol import (
     StreamFormat as StreamFormat,
     StreamFrame as StreamFrame,
 )
-from station.wire.recordings import (
+from station.wire.records import (
+    Alarm as Alarm,
+    Alarms as Alarms,
+    EventKindName as EventKindName,
+    Events as Events,
     NoteRequest as NoteRequest,
     RecordedEvent as RecordedEvent,
     RecordedEvents as RecordedEvents,
     Recording as Recording,
     RecordingRequest as RecordingRequest,
     Recordings as Recordings,
+    SeverityName as SeverityName,
     Trajectory as Trajectory,
 )
 from station.wire.robots import (
@@ -146,6 +123,7 @@ from station.wire.robots import (
     ArmReport as ArmReport,
     Arms as Arms,
     CartesianImpedance as CartesianImpedance,
+    Clamp as Clamp,
     ContactBudget as ContactBudget,
     EndEffectorFrame as EndEffectorFrame,
     ExternalForce as ExternalForce,
@@ -161,6 +139,11 @@ from station.wire.robots import (
     GripperGraspRequest as GripperGraspRequest,
     GripperMoveRequest as GripperMoveRequest,
     GuidingRequest as GuidingRequest,
+    Hardware as Hardware,
+    HardwareComponents as HardwareComponents,
+    HardwareComponentStateRequest as HardwareComponentStateRequest,
+    HardwareLimits as HardwareLimits,
+    HardwareRepair as HardwareRepair,
     JointImpedance as JointImpedance,
     Load as Load,
     Recoveries as Recoveries,
@@ -168,6 +151,7 @@ from station.wire.robots import (
     RecoveryRequest as RecoveryRequest,
     ServiceInfo as ServiceInfo,
     Services as Services,
+    SoftLimits as SoftLimits,
     StiffnessFrame as StiffnessFrame,
     UserStopRequest as UserStopRequest,
 )
@@ -187,16 +171,26 @@ from station.wire.simulation import (
     StepRequest as StepRequest,
 )
 from station.wire.station import (
+    AgentAnswer as AgentAnswer,
+    AgentRequests as AgentRequests,
     CommandViolations as CommandViolations,
+    ControlPatch as ControlPatch,
+    ControlRequest as ControlRequest,
+    ControlState as ControlState,
     Health as Health,
     JointStates as JointStates,
     Kernel as Kernel,
     LoginRequest as LoginRequest,
+    NewToken as NewToken,
     Ready as Ready,
     ReleaseRequest as ReleaseRequest,
+    RoleName as RoleName,
     Session as Session,
     Status as Status,
     StopRequest as StopRequest,
     StopState as StopState,
     StreamTicket as StreamTicket,
+    Token as Token,
+    TokenRequest as TokenRequest,
+    Tokens as Tokens,
 )

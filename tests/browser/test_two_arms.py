@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from station.ui.page.load_examples import example_parameters
+from station.ui.page.controller_offers import example_parameters
 from tests.browser.conftest import run_station
 from tests.browser.workspace_page import position, wait_until
 

@@ -9,7 +9,7 @@ from websockets.sync.client import connect
 
 from station.client import AsyncStationClient
 from station.ui.dashboard import Dashboard
-from station.ui.gateway.viser_server import SECRET_HEADER, open_viser
+from station.ui.gateway.viser_relay import SECRET_HEADER, open_viser
 from station.ui.scene.robot_model import load_robot
 from tests.ui.fake_station import OPERATOR, FakeStation
 from tests.waiting import PATIENCE, wait_until

@@ -17,7 +17,7 @@ from station.wire import (
     StopRequest,
     TokenRequest,
 )
-from station.wire.events import EventKindName, SeverityName
+from station.wire.records import EventKindName, SeverityName
 
 
 def test_the_example_of_joint_states_is_valid():

@@ -32,7 +32,7 @@ from station.wire import (
     TokenRequest,
     Tokens,
 )
-from station.wire.access import TokenName
+from station.wire.station import TokenName
 
 router = APIRouter(tags=["access"], route_class=JsonRoute)
 login_page = APIRouter(include_in_schema=False)

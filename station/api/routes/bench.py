@@ -19,13 +19,16 @@ from station.core.errors import RecordingRefusedError, suggest
 from station.trials.bench_analysis import excitation_of_part, joint_test
 from station.trials.trace import Trace
 from station.wire.base import FileName
-from station.wire.excitations import BenchRequest, BenchResponse, BenchRuns, PartRequest
-from station.wire.lessons import (
+from station.wire.excitations import (
+    BenchRequest,
+    BenchResponse,
+    BenchRuns,
     Lesson,
     LessonBeginRequest,
     LessonCheckRequest,
     LessonResult,
     Lessons,
+    PartRequest,
 )
 
 if TYPE_CHECKING:

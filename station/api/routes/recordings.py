@@ -16,7 +16,7 @@ from station.api.routes.routing import change, problems, routes_of
 from station.core.errors import RecordingRefusedError
 from station.records.record_store import RECORDING, RecordingInfo, RecordStore
 from station.wire.protocol import PREFIX
-from station.wire.recordings import RecordingId
+from station.wire.records import RecordingId
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder

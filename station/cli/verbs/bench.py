@@ -13,8 +13,7 @@ from station.cli.verbs.gains import answer_change
 if TYPE_CHECKING:
     from station.cli.parser import Parser
     from station.client import StationClient
-    from station.wire.excitations import BenchResponse, GainProposal
-    from station.wire.lessons import Lesson
+    from station.wire.excitations import BenchResponse, GainProposal, Lesson
 
 _KINDS = ("step", "sine", "chirp", "multisine", "relay")
 _RUNS = ("list", "show", "delete", "apply")

@@ -21,8 +21,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketExce
 from station.ui.gateway.forwarded_routes import may_ask, may_forward, may_stream
 from station.ui.link.socket_ends import close_socket, send_frame, until_first
 from station.ui.sessions.session_access import SessionAccess
-from station.ui.sessions.session_routes import RefusedError
-from station.ui.sessions.sessions import Session
+from station.ui.sessions.sessions import RefusedError, Session
 from station.wire.protocol import PREFIX, UPLOAD_PATH
 
 if TYPE_CHECKING:

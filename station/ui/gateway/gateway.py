@@ -9,6 +9,7 @@ Viser has no login, and its page may lose a click. So this gateway stands before
 nothing is shown or done without a session, and the stop button is the gateway's own.
 """
 
+import asyncio
 from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import asdict, dataclass, field
 from hashlib import blake2b
@@ -17,19 +18,26 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Protocol
 from urllib.parse import parse_qs, urlencode
 
+import httpx
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route, WebSocketRoute
 
-from station.client import ApiError
+from station.client import ApiError, AsyncStationClient, StationUnreachableError
 from station.ui.gateway.guard import GatewayGuard, session_cookie
 from station.ui.page.view_routes import ShownViews, ViewRoutes
 from station.ui.page.workspace_routes import WorkspaceParts, WorkspaceRoutes
-from station.ui.sessions.session_routes import RefusedError, SessionRoutes
-from station.ui.sessions.sessions import Role, Session, Sessions
+from station.ui.sessions.sessions import (
+    RefusedError,
+    Role,
+    Session,
+    SessionRoutes,
+    Sessions,
+)
 from station.web.failed_logins import FailedLogins
 from station.web.host_policy import HostPolicy
+from station.wire import StopState
 from station.wire.protocol import PREFIX
 
 if TYPE_CHECKING:
@@ -41,7 +49,6 @@ if TYPE_CHECKING:
     from station.ui.gateway.api_relay import ApiRelay
     from station.ui.gateway.viser_relay import ViserRelay
     from station.ui.page.page_state import BarState
-    from station.wire import StopState
 
 _STATIC_TYPES = {
     ".css": "text/css; charset=utf-8",
@@ -50,6 +57,10 @@ _STATIC_TYPES = {
 _STOP = f"{PREFIX}/stop"
 _METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
 _VIEW_PARAMETERS = frozenset({"darkMode", "initialCameraPosition"})
+ANSWER_TIME = 0.5
+"""Longest time for an answer of the station before the watchdog is asked [s]."""
+_WATCHDOG_TIME = 2.0
+_REASON = "stop button of the dashboard"
 
 
 class Release(Protocol):
@@ -293,3 +304,67 @@ _STATIC_FILES = set(_static_files(_STATIC))
 
 def _file(name: str, media_type: str) -> Response:
     return Response(_STATIC.joinpath(name).read_bytes(), media_type=media_type)
+
+
+class StopButton:
+    """Stops the robot, even if the station's interpreter hangs.
+
+    Args:
+        api: The station.
+        token: Its token, which the watchdog accepts as well.
+        watchdog_url: The listener of the station's watchdog; empty when there is none.
+    """
+
+    def __init__(self, api: AsyncStationClient, token: str, watchdog_url: str) -> None:
+        self._api = api
+        self._token = token
+        self._watchdog_url = watchdog_url
+
+    def move_to(self, token: str, watchdog_url: str) -> None:
+        """Ask the watchdog of another station from now on."""
+        self._token, self._watchdog_url = token, watchdog_url
+
+    async def press(self) -> StopState:
+        """Stop the robot.
+
+        Raises:
+            ApiError: Neither the station nor its watchdog confirms the stop.
+        """
+        if not self._watchdog_url:
+            return await self._api.stop(_REASON)
+        try:
+            async with asyncio.timeout(ANSWER_TIME):
+                state = await self._api.stop(_REASON)
+        except (TimeoutError, StationUnreachableError) as error:
+            return await self._ask_watchdog(error)
+        if not state.pending:
+            return state
+        # The station answers, and its control loop does not: the watchdog tells a real
+        # arm to hold.
+        return await self._ask_watchdog(LookupError("the control loop does not answer"))
+
+    async def _ask_watchdog(self, cause: Exception) -> StopState:
+        """Latch the stop through the watchdog.
+
+        Raises:
+            StationUnreachableError: The watchdog does not answer either.
+        """
+        headers = {"Authorization": f"Bearer {self._token}"}
+        try:
+            async with httpx.AsyncClient(trust_env=False) as http:
+                answer = await http.post(
+                    f"{self._watchdog_url}/stop",
+                    json={"reason": _REASON},
+                    headers=headers,
+                    timeout=_WATCHDOG_TIME,
+                )
+                answer.raise_for_status()
+                report = answer.json()
+        except httpx.HTTPError as error:
+            raise StationUnreachableError(self._api.url, cause) from error
+        return StopState(
+            state="stopped",
+            reason=report["detail"],
+            epoch=0,  # only the station knows it
+            pending=not report["carried_out"],
+        )

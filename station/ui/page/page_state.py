@@ -4,10 +4,14 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
-from station.ui.link.recovery import choose_recovery
-from station.ui.link.station_view import StationView, resources_of
-from station.ui.page.controller_offers import claims_text, command_units, offer_for
-from station.ui.page.load_examples import example_parameters, suggested_name
+from station.ui.link.station_view import StationView, choose_recovery, resources_of
+from station.ui.page.controller_offers import (
+    claims_text,
+    command_units,
+    example_parameters,
+    offer_for,
+    suggested_name,
+)
 from station.ui.teleoperation.commanded_controller import (
     CommandedController,
     choose_for_joints,

@@ -20,7 +20,7 @@ from starlette.responses import JSONResponse, Response
 
 from station.ui.scene.camera import PRESETS
 from station.ui.scene.scene_views import LAYERS, PUSH, Ghost, SceneViews
-from station.ui.sessions.session_routes import (
+from station.ui.sessions.sessions import (
     Body,
     FindSession,
     RefusedError,

@@ -15,17 +15,16 @@ from typing_extensions import override
 
 from station.ui.scene.camera import look
 from station.ui.scene.joint_frames import is_drawn_moving
+from station.ui.scene.layers.drag_layers import MoveLayer, Pushing, PushLayer
 from station.ui.scene.layers.forces_layer import ForcesLayer
 from station.ui.scene.layers.layer import Layer, PlacedRobot, SceneFacts
-from station.ui.scene.layers.move_layer import MoveLayer
-from station.ui.scene.layers.push_layer import Pushing, PushLayer
 from station.ui.scene.layers.robot_layers import (
     CommandedLayer,
     FramesLayer,
     LimitsLayer,
     TrailLayer,
 )
-from station.ui.scene.robot_figure import RobotFigure
+from station.ui.scene.robot_scene import RobotFigure
 
 _BRAND = (34, 110, 196)
 _LIGHT = ((214.0, 222.0, 231.0), (246.0, 248.0, 250.0))

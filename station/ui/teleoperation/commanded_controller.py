@@ -2,8 +2,12 @@
 
 from dataclasses import dataclass
 
-from station.ui.link.recovery import choose_recovery
-from station.ui.link.station_view import StationView, moves_hand, moves_joints
+from station.ui.link.station_view import (
+    StationView,
+    choose_recovery,
+    moves_hand,
+    moves_joints,
+)
 from station.wire import CommandElement
 
 

@@ -17,8 +17,7 @@ from station.local.tls import trust
 from station.ui.gateway.api_relay import ApiRelay
 from station.ui.link.station_access import StationAccess
 from station.ui.sessions.session_access import BEGIN_WITHIN, SessionAccess
-from station.ui.sessions.session_routes import SessionRoutes
-from station.ui.sessions.sessions import Role, Session
+from station.ui.sessions.sessions import Role, Session, SessionRoutes
 from tests.api.spring import make_station
 from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER, FakeStation

@@ -8,7 +8,7 @@ from starlette.responses import JSONResponse
 from starlette.routing import Route
 
 from station.client import AsyncStationClient, StationUnreachableError
-from station.ui.gateway.stop_button import StopButton
+from station.ui.gateway.gateway import StopButton
 from station.wire import StopState
 from tests.ui.served import Served
 

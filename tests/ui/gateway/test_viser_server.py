@@ -8,7 +8,7 @@ import viser
 import websockets.exceptions
 from websockets.asyncio.client import connect
 
-from station.ui.gateway.viser_server import SECRET_HEADER, open_viser
+from station.ui.gateway.viser_relay import SECRET_HEADER, open_viser
 
 
 @pytest.fixture(scope="module")

@@ -2,8 +2,7 @@
 
 import pytest
 
-from station.ui.link.recovery import choose_recovery
-from station.ui.link.station_view import StationView
+from station.ui.link.station_view import StationView, choose_recovery
 from station.wire import ArmError
 from tests.ui.views import arm, status
 

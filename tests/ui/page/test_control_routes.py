@@ -8,7 +8,7 @@ from starlette.applications import Starlette
 
 from station.client import ApiError, StationUnreachableError
 from station.ui.link.station_access import StationAccess
-from station.ui.page.control_routes import ControlRoutes
+from station.ui.page.workspace_routes import ControlRoutes
 from station.ui.sessions.session_access import SessionAccess
 from station.ui.sessions.sessions import Role, Session
 from station.wire import ControlState

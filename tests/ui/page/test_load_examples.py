@@ -3,7 +3,7 @@
 import pytest
 import yaml
 
-from station.ui.page.load_examples import example_parameters, suggested_name
+from station.ui.page.controller_offers import example_parameters, suggested_name
 
 JOINTS = ["panda_joint1", "panda_joint2", "panda_finger_joint1"]
 

@@ -5,7 +5,7 @@ import pytest
 
 from station.core.description.urdf import Pose
 from station.core.description.urdf_parser import parse_urdf
-from station.ui.scene.link_surfaces import bounds_of, link_surfaces
+from station.ui.scene.robot_model import bounds_of, link_surfaces
 
 ROBOT = """<robot name="r"><link name="base">
 <collision><origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.ui.scene.robot_figure import RobotFigure
 from station.ui.scene.robot_model import load_robot
+from station.ui.scene.robot_scene import RobotFigure
 
 
 @pytest.fixture

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from station.ui.scene.layers.drag_layers import Pushing
 from station.ui.scene.layers.layer import PlacedRobot, SceneFacts
-from station.ui.scene.layers.push_layer import Pushing
 from station.ui.scene.robot_model import load_robot
 from station.ui.scene.scene_views import AT_FIRST, Ghost, SceneViews
 

@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from station.core.description.urdf import Joint, Pose, Vector3
 from station.ui.scene.layers.layer import Layer, PlacedRobot, SceneFacts
-from station.ui.scene.robot_figure import RobotFigure
+from station.ui.scene.robot_scene import RobotFigure
 
 if TYPE_CHECKING:
     import viser

@@ -8,8 +8,7 @@ import pytest
 from station.client import ApiError
 from station.core.description.urdf import Pose
 from station.ui.link.station_view import ArmFacts
-from station.ui.scene.layers.layer import SceneFacts
-from station.ui.scene.layers.push_layer import (
+from station.ui.scene.layers.drag_layers import (
     ALIVE_FOR,
     PUSH_PERIOD,
     PUSH_TIME,
@@ -19,6 +18,7 @@ from station.ui.scene.layers.push_layer import (
     PushLayer,
     pull_force,
 )
+from station.ui.scene.layers.layer import SceneFacts
 
 FACTS = SceneFacts(arms={"panda": ArmFacts(Pose(), Pose(), None)})
 GRIP = (0.1, 0.0, 0.9)
