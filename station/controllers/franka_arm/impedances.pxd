@@ -1,4 +1,4 @@
-from station.controllers.franka_arm.pose_spring cimport PoseSpring
+from station.controllers.franka_arm.cartesian_spring cimport PoseSpring
 from station.core.numerics.command_rates cimport filter_commands
 from station.core.numerics.arm_chain cimport torques_of, twist_of
 from station.memory.functions cimport exponential, square_root

@@ -19,7 +19,7 @@ Giordano, A. De Luca: Dynamic identification of the Franka Emika Panda robot wit
 retrieval of feasible parameters, RA-L 4(4), 2019.
 """
 
-from station.controllers.franka_arm.pose_spring import PoseSpring
+from station.controllers.franka_arm.cartesian_spring import PoseSpring
 from station.core.numerics.arm_chain import torques_of, twist_of
 from station.core.numerics.command_rates import filter_commands
 from station.memory.doubles import Doubles, doubles, zeros

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from station.controllers.franka_arm.pose_spring import PoseSpring
+from station.controllers.franka_arm.cartesian_spring import PoseSpring
 from station.memory.doubles import doubles, put
 from tests.both_modes import arrays, assert_same, needs_both, numbers
 

@@ -14,7 +14,7 @@ from station.core.errors import InvalidCommandError
 from station.core.geometry.guard import SLOWED
 from station.core.numerics.command_rates import filter_commands, limited
 from station.core.numerics.rigid_motion import displace, rotation_between, twist_between
-from station.hw.franka.arm.arm_codes import CARTESIAN
+from station.hw.franka.arm.receiver import CARTESIAN
 from station.memory.doubles import Doubles, doubles, own, put, zeros
 from station.memory.functions import square_root
 from station.memory.vectors import copy_into, differ

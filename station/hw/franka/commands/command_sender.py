@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from station.core.errors import InvalidCommandError
 from station.core.numerics.command_rates import CommandRates
-from station.hw.franka.arm import arm_codes as codes
+from station.hw.franka.arm import receiver as codes
 from station.memory.doubles import Doubles
 
 if TYPE_CHECKING:

@@ -37,7 +37,7 @@ from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotMode
 from station.core.franka.franka_services import ArmSimulation, FaultKind, SimulatedFault
 from station.core.hardware.robot_report import ClampReport
-from station.hw.franka.arm.arm_codes import (
+from station.hw.franka.arm.receiver import (
     CARTESIAN,
     NO_MOTION,
     POSITIONS,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NoReturn
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import MODE, RobotState
 from station.core.franka.joint_memory import JointMemory
-from station.hw.franka.arm import arm_codes as codes
+from station.hw.franka.arm import receiver as codes
 from station.hw.franka.arm.receiver import Receiver
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS
 from station.hw.franka.simulated.cartesian_step import CartesianStep
@@ -248,7 +248,7 @@ class ArmStep(Preparation):
         """Wait for the first command of a motion.
 
         Args:
-            generator: The kind of motion that is commanded, see `arm_codes`.
+            generator: The kind of motion that is commanded, see `receiver`.
         """
         self.generator = generator
         self.is_fresh = self.is_begun = self.is_lossy = False

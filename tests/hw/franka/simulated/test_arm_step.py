@@ -8,7 +8,13 @@ from hypothesis import given, settings, strategies as st
 
 from station.core.errors import InvalidCommandError
 from station.core.franka import Frame, RobotMode, RobotState
-from station.hw.franka.arm.arm_codes import (
+from station.hw.franka.arm.arm_limits import (
+    PANDA_LIMITS,
+    MotionLimits,
+    SupervisorLimits,
+)
+from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose
+from station.hw.franka.arm.receiver import (
     CARTESIAN,
     IDLE,
     MOVE,
@@ -16,12 +22,6 @@ from station.hw.franka.arm.arm_codes import (
     POSITIONS,
     VELOCITIES,
 )
-from station.hw.franka.arm.arm_limits import (
-    PANDA_LIMITS,
-    MotionLimits,
-    SupervisorLimits,
-)
-from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose
 from station.hw.franka.simulated.arm_step import CONTACT, VIOLATION
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import (

@@ -1,1 +1,0 @@
-# Constants alone: a compiled module imports no other module that is not compiled.
