@@ -1,11 +1,14 @@
 """Whatever goes wrong is worded for people and for programs."""
 
+import re
 from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
 
-from station.cli.errors import UsageError, failure_of
+from station.api.errors import ROUTES, STATUS
+from station.cli.errors import REMEDIES, UsageError, failure_of, for_terminal
+from station.cli.parser import parse
 from station.client import (
     ApiError,
     MotionError,
@@ -174,3 +177,48 @@ def test_missing_package_is_told_with_the_extra_that_brings_it():
 
 def test_missing_module_of_the_program_itself_is_a_defect():
     assert failure_of(ModuleNotFoundError("No module", name="station.nothing")) is None
+
+
+WITHOUT_VERB = {"goal_not_found", "loop", "plot_layout_not_found", "stale_epoch"}
+WITHOUT_VERB |= {"waypoint_path_not_found"}
+
+
+def test_every_hint_at_a_route_becomes_a_verb():
+    assert set(ROUTES) - set(REMEDIES) == WITHOUT_VERB
+
+    for code, hint in ROUTES.items():
+        told = for_terminal(code, f"Choose another one. {hint}")
+        assert told == " ".join([
+            "Choose another one.",
+            *REMEDIES.get(code, "").split(),
+        ])
+
+
+@pytest.mark.parametrize(
+    "line", re.findall(r"`station ([^`]+)`", " ".join(REMEDIES.values()))
+)
+def test_the_verbs_exist(line, capsys):
+    try:
+        parse(line.split())
+    except SystemExit:
+        # A name is still to be given; the verb and its actions are known.
+        told = capsys.readouterr().err
+        assert "arguments are required" in told, told
+
+
+def test_the_codes_exist():
+    assert set(REMEDIES) - {"no_sample"} <= {kind.code for kind in STATUS}
+
+
+@pytest.mark.parametrize(
+    ("remedy", "told"),
+    [
+        ("", ""),
+        ("Send fewer.", "Send fewer."),
+        ("Recover it (POST /robots/panda/error_recovery).", "Recover it."),
+        ("List them: GET /api/v1/agents/requests.", "List them."),
+        ("Wait. See GET /status for a stop.", "Wait."),
+    ],
+)
+def test_sentences_about_routes_are_left_out(remedy, told):
+    assert for_terminal("other", remedy) == told

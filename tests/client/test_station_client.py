@@ -2,6 +2,7 @@
 
 import asyncio
 
+import httpx
 import numpy as np
 import pytest
 
@@ -12,8 +13,10 @@ from station.client import (
     ApiError,
     AsyncStationClient,
     AsyncStream,
+    StationClient,
     StationUnreachableError,
 )
+from station.client.station_client import summary_html
 from station.wire import StreamFrame
 from station.wire.excitations import Step
 from tests.api.conftest import OPERATOR, VIEWER
@@ -182,3 +185,21 @@ def test_every_cycle_of_the_time_is_collected():
     np.testing.assert_array_equal(samples["position"][:, 0], np.arange(26))
     assert station.given.batches == 3
     assert station.opened == ("joint_states", {"rate": "full", "reconnect": False})
+
+
+def test_station_is_shown_with_its_joints(served):
+    with StationClient(served.url, OPERATOR) as client:
+        html = client._repr_html_()
+
+    assert f"<a href='{served.url}/docs'>" in html
+    assert "<td>0.2500</td>" in html
+    assert "running: nothing" in html
+
+
+def test_station_that_does_not_answer_is_told():
+    def refuse(request):
+        raise httpx.ConnectError("<refused>", request=request)
+
+    html = summary_html("http://a", None, httpx.MockTransport(refuse))
+
+    assert html.endswith("no answer (&lt;refused&gt;)")

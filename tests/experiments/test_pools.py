@@ -4,18 +4,23 @@ import os
 import signal
 from concurrent.futures import Executor
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 
 import pytest
 
+from station.experiments import pools
 from station.experiments.pools import (
     NICENESS,
     InThisProcess,
+    compare,
+    identity,
     losses,
     make_pool,
     refusals,
+    run_trials,
     worker_count,
 )
-from station.trials.errors import ExperimentError
+from station.trials.errors import ExperimentError, WorkerMismatchError
 from tests.waiting import wait_until
 
 
@@ -84,3 +89,23 @@ def test_processes_are_ended_while_they_work():
         pool.abandon()
 
         assert isinstance(endless.exception(20.0), BrokenProcessPool)
+
+
+@pytest.mark.parametrize("what", ["station", "mujoco", "setup"])
+def test_each_difference_is_named_with_both_values(step, what):
+    own = identity(step.setup.text)
+    other = replace(own, **{what: "9.9.9"})
+
+    compare(own, own, "w1")
+    with pytest.raises(WorkerMismatchError, match=f"Worker w1 has {what} 9.9.9; the"):
+        compare(own, other, "w1")
+
+
+def test_a_worker_with_another_mujoco_runs_no_trial(step, monkeypatch):
+    expected = identity(step.setup.text)
+    monkeypatch.setattr(pools.mujoco, "mj_versionString", lambda: "2.3.7")
+    monkeypatch.setattr(pools, "_checked", set())
+
+    with pytest.raises(WorkerMismatchError, match=r"has mujoco 2\.3\.7; the"):
+        run_trials(step.setup.text, [step.to_json()], expected)
+    assert pools._checked == set()

@@ -5,7 +5,10 @@ import types
 
 import pytest
 
+from station.core.errors import StationError
+from station.core.hardware.interfaces import JointStateInterface
 from station.core.hardware.robot_hw import RobotHW
+from station.core.parameters import Parameters
 from station.hw.robot_loader import RobotTypeError, create_robot
 
 
@@ -40,3 +43,23 @@ def test_class_is_named_by_its_module(monkeypatch):
 def test_anything_else_is_refused(robot_type, message):
     with pytest.raises(RobotTypeError, match=message):
         create_robot(robot_type)
+
+
+def combination(robot_type):
+    params = Parameters()
+    params.set("robot_hardware", ["left"])
+    params.set("left", {"type": robot_type, "joints": ["l1"]})
+    robot = create_robot("combined_robot_hw/CombinedRobotHW")
+    robot.init(params, params)
+    return robot
+
+
+def test_robots_of_the_table_are_combined():
+    robot = combination("mock_hw/MockRobotHW")
+
+    assert robot.get(JointStateInterface).get_names() == ["l1"]
+
+
+def test_an_unknown_type_is_refused():
+    with pytest.raises(StationError, match="nope/Nope"):
+        combination("nope/Nope")

@@ -1,6 +1,9 @@
 """The station at a glance."""
 
+import pytest
+
 from station.api.routes.status import versions
+from station.client.errors import ApiError
 from station.compiled import present_status
 from station.core.control.controller_manager import ControllerManager
 from station.wire import CommandViolations
@@ -50,3 +53,39 @@ def test_commands_that_nobody_had_the_right_to_write_are_told(client, monkeypatc
     told = client.status().command_violations
 
     assert (told.count, told.last) == violations
+
+
+def test_interfaces_and_claims(client):
+    client.load_controller("spring", "test/Spring", {"joint": "j"})
+    client.switch_controllers(start=["spring"])
+
+    hardware = client.hardware()
+
+    interfaces = {interface.name: interface for interface in hardware.interfaces}
+    effort = interfaces["hardware_interface::EffortJointInterface"]
+    assert [(r.name, r.claimed_by) for r in effort.resources] == [("j", ["spring"])]
+    assert hardware.limits == []
+    assert hardware.clamps == client.status().clamps == []
+
+
+def test_a_component_is_brought_into_a_state_with_or_without_its_users(client):
+    client.load_controller("spring", "test/Spring", {"joint": "j"})
+    client.switch_controllers(start=["spring"])
+    (component,) = client.hardware_components()
+    assert (component.name, component.state) == ("robot", "active")
+    (effort,) = component.command_interfaces
+    assert (effort.resource, effort.claimed_by) == ("j", ["spring"])
+
+    with pytest.raises(ApiError, match="in use by spring"):
+        client.set_hardware_component_state("robot", "inactive")
+    found = client.set_hardware_component_state(
+        "robot", "inactive", stop_controllers=True
+    )
+    assert found.state == "inactive"
+    assert not found.command_interfaces[0].is_available
+    with pytest.raises(ApiError, match="'robot', which is inactive"):
+        client.switch_controllers(start=["spring"])
+    with pytest.raises(ApiError, match="'robbot'"):
+        client.set_hardware_component_state("robbot", "active")
+    client.set_hardware_component_state("robot", "active")
+    assert client.switch_controllers(start=["spring"]).ok

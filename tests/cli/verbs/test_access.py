@@ -1,10 +1,14 @@
 """Verbs `control` and `token`."""
 
 import json
+import os
+import signal
+from argparse import Namespace
 
 import pytest
 
 from station.cli.parser import parse
+from station.client import ApiError
 from station.wire import ControlState
 
 
@@ -74,3 +78,82 @@ def test_control_is_shown_unless_told():
 @pytest.mark.parametrize("action", ["create", "list", "revoke"])
 def test_a_token_is_an_operators_unless_told(action):
     assert parse(["token", action]).role == "operator"
+
+
+@pytest.fixture
+def served(monkeypatch, station):
+    """Return the tokens with which agents were served."""
+    found = []
+
+    async def serve(_, token, *__):
+        found.append(token)
+
+    monkeypatch.setattr("station.mcp.server.serve", serve)
+    station.session = lambda: Namespace(role="operator")
+    return found
+
+
+def test_requests_of_agents_are_listed(run):
+    assert "tuner" in run("agents").out
+    (request,) = json.loads(run("agents --json").out)
+    assert (request["number"], request["verdict"]) == ("q3TZ", None)
+
+
+def test_a_request_is_answered(run, station):
+    assert run("agents allow q3TZ").out == "It is allowed.\n"
+    run("agents allow-for-10-min q3TZ")
+    run("agents refuse q3TZ")
+    verdicts = ["allowed", "allowed_for_a_time", "refused"]
+    assert station.calls == [("answer", "q3TZ", verdict) for verdict in verdicts]
+
+
+def test_an_answer_needs_a_number(run):
+    assert run("agents allow").code == 2
+
+
+def test_an_agent_is_served_with_a_token_for_the_time_that_it_runs(
+    run, station, served
+):
+    assert run("mcp --name tuner").err == "The agent is called tuner.\n"
+    assert served == ["secret"]
+    assert station.calls == [("create", "tuner", "agent", None), ("revoke", "tuner")]
+
+
+def test_an_agent_whose_name_is_taken_gets_a_similar_one(
+    run, station, served, monkeypatch
+):
+    create = station.tokens.create
+
+    def taken(name, role):
+        if name == "tuner":
+            raise ApiError("It is taken.", status=409, code="token_exists")
+        return create(name, role)
+
+    monkeypatch.setattr(station.tokens, "create", taken)
+    outcome = run("mcp --name tuner")
+    assert outcome.code == 0
+    assert outcome.err.startswith("The agent is called tuner-")
+    assert served == ["secret"]
+    (_, name, *_), revoked = station.calls
+    assert revoked == ("revoke", name)
+
+
+def test_an_agent_that_is_terminated_leaves_no_token(run, station, monkeypatch):
+    class Ended(BaseException):
+        """What ends the process, here without ending it."""
+
+    def exit_at_once(code):
+        station.calls.append(("exit", code))
+        raise Ended
+
+    async def serve(*_):
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    station.session = lambda: Namespace(role="operator")
+    monkeypatch.setattr("station.mcp.server.serve", serve)
+    monkeypatch.setattr(os, "_exit", exit_at_once)
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(Ended):
+        run("mcp --name tuner")
+    assert station.calls[1:3] == [("revoke", "tuner"), ("exit", 143)]
+    assert signal.getsignal(signal.SIGTERM) is before

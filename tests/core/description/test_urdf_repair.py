@@ -4,7 +4,7 @@ import pytest
 
 from station.core.description.urdf import JointType
 from station.core.description.urdf_parser import parse_urdf, read_joint_limit
-from station.core.description.urdf_repair import repair_urdf
+from station.core.description.urdf_repair import Repair, repair_urdf
 from station.core.description.urdf_text import parse_robot
 
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
@@ -194,3 +194,10 @@ def test_inverted_range_is_not_repaired() -> None:
     (element,) = parse_robot(xml).findall("joint")
     assert repairs == ()
     assert read_joint_limit(element).lower == 1.0
+
+
+def test_sentence_has_the_old_value_if_there_is_one() -> None:
+    told = Repair("mass", "link 'a'", "it has none", "", "1 g")
+    assert told.sentence() == "link 'a': it has none; now 1 g"
+    told = Repair("mass", "link 'a'", "it has none", "0", "1 g")
+    assert told.sentence() == "link 'a': it has none; now 1 g (was 0)"

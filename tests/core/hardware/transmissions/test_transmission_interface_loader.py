@@ -10,6 +10,7 @@ import pytest
 from station.core.errors import StationError
 from station.core.hardware import transmissions as transmission_interfaces
 from station.core.hardware.interfaces import (
+    JointStateInterface,
     joint as actuator_interfaces,
     joint as joint_interfaces,
 )
@@ -25,6 +26,10 @@ from station.core.hardware.transmissions import (
     TransmissionInterfaceError,
     TransmissionInterfaceLoader,
     TransmissionParser,
+)
+from station.core.hardware.transmissions.transmission_interface_loader import (
+    HARDWARE_INTERFACES,
+    interface_of,
 )
 
 VECTORS = Path(__file__).parents[3] / "data" / "vectors" / "transmission_urdf.json.gz"
@@ -237,3 +242,26 @@ def test_joint_of_the_robot_itself_is_not_taken_over():
     rig.hw.register_interface(own)
     with pytest.raises(TransmissionInterfaceError, match="already has a state"):
         rig.loader.load_urdf(SIMPLE)
+
+
+@pytest.mark.parametrize("quantity", ["position", "velocity", "effort"])
+@pytest.mark.parametrize("prefix", ["", "BiDirectional"])
+def test_joint_and_actuator_interface_have_the_same_quantity(quantity, prefix):
+    name = f"hardware_interface/{prefix}{quantity.title()}JointInterface"
+    kind, is_bidirectional = HARDWARE_INTERFACES[name]
+    assert is_bidirectional is bool(prefix)
+    assert kind.quantity == quantity
+    assert kind.joint_interface.__name__ == f"{quantity.title()}JointInterface"
+    assert kind.actuator_interface.__name__ == f"{quantity.title()}ActuatorInterface"
+
+
+def test_state_alone_has_no_command():
+    kind = HARDWARE_INTERFACES["hardware_interface/JointStateInterface"]
+    assert kind == (None, False)
+
+
+def test_interface_is_made_once():
+    robot = RobotHW()
+    first = interface_of(robot, JointStateInterface)
+    assert interface_of(robot, JointStateInterface) is first
+    assert robot.get(JointStateInterface) is first
