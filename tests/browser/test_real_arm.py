@@ -9,7 +9,7 @@ from station.client import StationClient
 from tests.browser.conftest import run_station
 from tests.browser.workspace_page import WorkspacePage, without_scene
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 ARM_HOST = "127.0.0.5"
 REAL_ARM = f"""

@@ -28,6 +28,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@pytest.mark.long
 def test_the_examples_pass(folder):
     names = [f"test_example_{number}" for number in range(len(EXAMPLES))]
     for name, example in zip(names, EXAMPLES, strict=True):

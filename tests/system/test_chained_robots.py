@@ -9,6 +9,8 @@ from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
 from station.hw.mujoco.world import Push
 from station.testing import Bench
 
+pytestmark = pytest.mark.long
+
 UR5, TIAGO = "example-robot-data:ur5", "example-robot-data:tiago_no_hand"
 STIFFNESS = 200.0
 JOINTS = [
@@ -30,7 +32,6 @@ def bench_of(reference, **robot):
     )
 
 
-@pytest.mark.slow
 def test_a_push_moves_a_ur5_by_force_over_stiffness_and_it_comes_back():
     home = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]
     bench = bench_of(
@@ -85,7 +86,6 @@ def test_a_push_moves_a_ur5_by_force_over_stiffness_and_it_comes_back():
     assert bench.state("admittance") == bench.state("jtc") == "running"
 
 
-@pytest.mark.slow
 def test_a_tiago_drives_by_pids_between_base_and_wheels():
     bench = bench_of(TIAGO, base="planar")
     wheels = {side: f"wheel_{side}_joint" for side in ("left", "right")}

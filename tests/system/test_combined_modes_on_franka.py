@@ -20,6 +20,8 @@ from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.franka_hw import FrankaHW
 
+pytestmark = pytest.mark.long
+
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 K = np.array([600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0])
 D = np.array([50.0, 50.0, 50.0, 20.0, 20.0, 20.0, 10.0])
@@ -132,7 +134,6 @@ def test_torques_go_on_while_the_motion_changes() -> None:
     assert not any(Arms(station.robots).state("panda").last_motion_errors)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("torques", [(), ("impedance",)])
 @pytest.mark.parametrize(("first", "second"), list(permutations(GENERATORS, 2)))
 def test_motion_is_taken_over_in_motion_without_an_error(

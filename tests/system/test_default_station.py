@@ -57,6 +57,7 @@ def test_gains_that_make_the_arm_swing_do_not_end_the_motion(station):
     assert station.controller(NAME).fault is None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("step", [*STEPS[8:12], *STEPS[14:]])
 def test_a_step_that_throws_a_joint_at_its_velocity_limit_ends_as_on_a_franka(
     station, step
@@ -77,6 +78,7 @@ def test_a_step_that_throws_a_joint_at_its_velocity_limit_ends_as_on_a_franka(
     assert franka(station).mode() == "idle"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("step", STEPS)
 def test_the_joints_stay_below_their_velocity_limits_in_those_steps(station, step):
     positions = station.latest().position[:7]

@@ -158,6 +158,7 @@ def test_signal_during_the_start_ends_it(start):
     assert "Traceback" not in station.errors
 
 
+@pytest.mark.long
 def test_taken_port_is_told(start):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])

@@ -44,6 +44,7 @@ def test_robot_moves_with_its_position_group_controller(robot):
     assert station.latest().position[: len(joints)] == pytest.approx(target, abs=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_robot_touches_nothing_where_it_starts(robot):
     assert run(robot).station.loop.hw.world.data.ncon == 0

@@ -5,6 +5,8 @@ import pytest
 from station.core.franka.arms import Arms
 from tests.system.arm_bench import ARM, ArmBench
 
+pytestmark = pytest.mark.long
+
 FINGER = "panda_finger_joint1"
 PARAMETERS = {
     "joint": FINGER,

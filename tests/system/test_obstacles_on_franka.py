@@ -4,6 +4,8 @@ import pytest
 
 from tests.system.arm_bench import ARM, INSENSITIVE, JOINTS, WALL, ArmBench
 
+pytestmark = pytest.mark.long
+
 POSITION_ARM = "position_joint_trajectory_controller"
 SCENE = f"scene: {{objects: [{WALL}]}}\n"
 INTO_THE_WALL = 0.7

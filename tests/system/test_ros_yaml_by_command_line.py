@@ -12,6 +12,8 @@ from tests.app.test_ros_yaml import FOLDER, robot_for
 from tests.system.station_process import StationProcess
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.long
+
 FILES = ["franka_control/default_controllers.yaml", "ur_gazebo/ur5_controllers.yaml"]
 
 

@@ -4,6 +4,8 @@ import pytest
 
 from tests.system.arm_bench import ARM, JOINTS, ArmBench
 
+pytestmark = pytest.mark.long
+
 ARMS = [ARM, "position_joint_trajectory_controller"]
 BOUNDS = [{"name": joint, "position": 0.05} for joint in JOINTS]
 

@@ -28,6 +28,8 @@ from station.wire import Fault
 from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
 from tests.franka_station import JOINTS, make_franka_station
 
+pytestmark = pytest.mark.long
+
 CONTROLLERS = {
     "arm": "position_controllers/JointGroupPositionController",
     "effort": "effort_controllers/JointGroupPositionController",
@@ -276,7 +278,6 @@ class Requests(RuleBasedStateMachine):
         assert [arm.arm_id for arm in self.client.robots()] == ["panda"]
 
 
-@pytest.mark.slow
 def test_any_order_of_requests_leaves_the_station_whole():
     run_state_machine_as_test(
         Requests,

@@ -6,6 +6,8 @@ from station.client import ApiError
 from station.wire import Fault
 from tests.system.arm_bench import ARM, ArmBench
 
+pytestmark = pytest.mark.long
+
 POSITION_ARM = "position_joint_trajectory_controller"
 TURN = 0.8
 ARMS = [ARM, POSITION_ARM]

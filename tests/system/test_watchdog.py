@@ -77,7 +77,7 @@ def start_hung(station, access):
     assert station.process.poll() is None
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     "kind", ["EndlessController", "LockedController", "BacktrackingController"]
 )
@@ -111,7 +111,7 @@ def test_a_hung_station_is_stopped_through_the_watchdog_which_says_where_it_hang
     assert any("hung_controllers.py" in line for line in stacks)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_loop_that_comes_back_sees_the_stop_before_it_writes(start):
     station = start("DeepController", seconds=2.0, after=0.2)
     access = station.access()
@@ -130,7 +130,7 @@ def test_a_loop_that_comes_back_sees_the_stop_before_it_writes(start):
     assert incident["recovered_after"] == pytest.approx(2.0, abs=1.0)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_standstill_makes_a_real_arm_hold_and_latches_the_stop(start, tmp_path):
     station = start("DeepController", robot=watched_hw.TYPE, seconds=1.0, after=0.2)
     access = station.access()
@@ -165,7 +165,7 @@ def test_a_station_that_does_not_come_back_is_ended(start, kind, code):
     assert "Traceback" not in station.errors
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_small_watchdog_carries_a_stop_out_and_ends_with_a_killed_station(start):
     station = start()
     access = station.access()

@@ -236,6 +236,7 @@ def test_a_lesson_is_solved_by_who_does_the_task(student, act):
     assert not any(one.is_solved for one in student.lessons.lessons("bob").lessons)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("act", LESSONS, ids=lambda act: act.__name__)
 def test_the_obvious_wrong_thing_fails_with_a_hint(student, act):
     name = act.__name__

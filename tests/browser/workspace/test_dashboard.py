@@ -7,7 +7,7 @@ from tests.browser.conftest import keep_screenshot
 from tests.browser.viser_page import ViserPage
 from tests.browser.workspace_page import run_alone, wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 CONTROLLER = "effort_group_position_controller"
 

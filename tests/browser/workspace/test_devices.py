@@ -9,7 +9,7 @@ from tests.browser.workspace_page import (
     wait_until,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 JOG = "cartesian_jog_controller"
 DEAD_MAN, STOP = 5, 1

@@ -4,7 +4,7 @@ import pytest
 
 from tests.browser.workspace_page import wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 NOT_STOPPED = "NOT stopped by this page. Press the emergency stop."
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from tests.browser.workspace_page import let_pass, run_alone, wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 TARGETS = "cartesian_streaming_controller"
 
 

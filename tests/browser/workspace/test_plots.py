@@ -8,7 +8,7 @@ import pytest
 
 from tests.browser.workspace_page import CONTROLLER, WorkspacePage, let_pass, wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 
 @pytest.fixture

@@ -49,7 +49,7 @@ def test_zero_stops_without_waiting_for_the_watchdog(arm, send):
     assert max(abs(value) for value in arm.state.O_dP_EE_c) < 1e-9
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("direction", DIRECTIONS)
 def test_a_button_held_for_ever_ends_at_rest_and_without_an_error(arm, send, direction):
     controller = arm.start(CartesianJogController)

@@ -25,9 +25,8 @@ from tests.testing.fci_conformance.pumped_endpoint import run_checks
 @pytest.mark.parametrize(
     "protocol",
     [
-        PANDA,
         FR3[-1],
-        *(pytest.param(one, marks=pytest.mark.long) for one in FR3[:-1]),
+        *(pytest.param(one, marks=pytest.mark.long) for one in (PANDA, *FR3[:-1])),
     ],
     ids=lambda one: f"version {one.version}",
 )

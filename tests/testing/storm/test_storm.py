@@ -49,6 +49,7 @@ def test_a_long_storm_finds_nothing(name, operations):
     assert report.switches["committed"] > operations / 20
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("open_gate")
 def test_commands_that_nobody_puts_back_are_found():
     report = rage("mock", 1000)
@@ -57,6 +58,7 @@ def test_commands_that_nobody_puts_back_are_found():
     assert re.search("without an owner", str(report))
 
 
+@pytest.mark.long
 def test_a_robot_that_is_not_told_is_found(monkeypatch):
     monkeypatch.setattr(ControllerLifecycle, "release", lambda *_: None)
 
@@ -65,6 +67,7 @@ def test_a_robot_that_is_not_told_is_found(monkeypatch):
     assert re.search("was not told what became of", str(report))
 
 
+@pytest.mark.long
 def test_an_answer_that_is_not_true_is_found(monkeypatch):
     monkeypatch.setattr(PendingSwitch, "note_start", lambda *_: None)
 
@@ -73,6 +76,7 @@ def test_an_answer_that_is_not_true_is_found(monkeypatch):
     assert re.search("is not true: said to be", str(report))
 
 
+@pytest.mark.long
 def test_a_loop_that_dies_is_found():
     class Fragile(type(ROBOTS["mock"].create())):
         def write(self, time, period):
@@ -89,6 +93,7 @@ def test_a_loop_that_dies_is_found():
     assert "the loop died: RuntimeError: no bus" in str(report)
 
 
+@pytest.mark.long
 def test_an_operation_that_hangs_is_found():
     never = threading.Event()
 

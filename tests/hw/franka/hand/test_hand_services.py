@@ -206,7 +206,7 @@ def lift(station):
         station.loop.step()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("mass", "force"), [(0.5, 20.0), (1.5, 60.0)])
 def test_what_is_held_does_not_creep(mass, force):
     """0.5 kg are an eighth of what friction carries; with soft friction they sink."""
