@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import gc
 import logging
 import signal
 import socket
@@ -188,6 +189,9 @@ async def _serve(
             button.move_to(access.token, access.watchdog_url)
             logged_in.move_to(access.url)
 
+    # All is imported. Python would search it for garbage now and then, and for most of a
+    # second at the end.
+    gc.freeze()
     dashboard.start()
     try:
         serving = asyncio.create_task(server.serve(sockets=[listener]))
