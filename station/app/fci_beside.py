@@ -14,6 +14,7 @@ from functools import partial
 from typing import Self
 
 from station.app.fci_run import FciRobotError, features_of
+from station.app.restart_limit import RestartLimit
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka import GripperServicesInterface
@@ -87,6 +88,7 @@ class FciBeside:
             self._hand = HandGuest(hand, self._pages[1], may_move=self._may_move)
         self._closing = contextlib.ExitStack()
         self._process: subprocess.Popen[bytes] | None = None
+        self._restarts = RestartLimit()
         # One thread carries out the requests of Desk one after the other.
         self._changes = ThreadPoolExecutor(1, "fci-desk")
         self._closing.callback(os.close, self._memory)
@@ -219,10 +221,13 @@ class FciBeside:
 
     def _replace_door(self) -> None:
         """Start the process again, which has ended by itself."""
-        self._warn(
-            "The process that serves clients of the FCI has ended; another begins."
-        )
         self._close_door()
+        told = "The process that serves clients of the FCI has ended"
+        # A process that ends at once would keep the station busy with restarts.
+        if not self._restarts.allows_another():
+            self._warn(f"{told} too often; clients are served no more.")
+            return
+        self._warn(f"{told}; another begins.")
         try:
             self._open_door()
         except StationError as error:

@@ -7,7 +7,6 @@ wait for the dashboard, end the control thread, end the watchdog.
 import contextlib
 import hashlib
 import os
-import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
@@ -24,6 +23,7 @@ from station.app.addresses import Announcement, check_exposure, host_names
 from station.app.composition import ROBOT_NAMESPACE, compose
 from station.app.journal import Journal
 from station.app.recording_start import make_ports, make_recorder
+from station.app.restart_limit import RestartLimit
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.twin import run_model
@@ -107,10 +107,6 @@ UI_TIMEOUT = 0.5
 """Longest wait for the dashboard after the server has stopped [s]."""
 LOOP_TIMEOUT = 0.4
 """Longest wait for the control thread [s]; all waits together are below 3 s."""
-UI_RESTARTS = 3
-"""Number of restarts of a crashed dashboard within `UI_MEMORY`."""
-UI_MEMORY = 60.0
-"""Time for which an end of the dashboard counts towards `UI_RESTARTS` [s]."""
 WATCH_PERIOD = 0.2
 """Time between two checks whether the parts of the station run [s]."""
 
@@ -382,7 +378,7 @@ class StationRun:
     def _watch_ui(self, announcement: Announcement) -> Callable[[], bool]:
         ui = self._ui
         is_announced = False
-        ends: list[float] = []
+        limit = RestartLimit()
 
         def watch() -> bool:
             nonlocal is_announced
@@ -394,12 +390,10 @@ class StationRun:
             code = ui.exit_code()
             if code is None:
                 return False
-            now = time.monotonic()
-            ends[:] = [*(end for end in ends if now - end < UI_MEMORY), now]
             told = f"The dashboard ended (exit code {code})"
             # A dashboard that ends without an error was ended on purpose, e.g. with
             # `kill`.
-            if code != 0 and len(ends) <= UI_RESTARTS:
+            if code != 0 and limit.allows_another():
                 self._warn(f"{told}; it is started again at the same address.")
                 ui.start_again()
                 return False

@@ -117,6 +117,8 @@ def run_dashboard(
     """
     # Before anything is loaded: a port that is taken is an error at once.
     with _listen(config) as listener:
+        # Python would search all that is imported for garbage, at the end for 0.8 s.
+        gc.freeze()
         asyncio.run(_serve(config, listener, on_ready))
     return 0
 
@@ -189,9 +191,6 @@ async def _serve(
             button.move_to(access.token, access.watchdog_url)
             logged_in.move_to(access.url)
 
-    # All is imported. Python would search it for garbage now and then, and for most of a
-    # second at the end.
-    gc.freeze()
     dashboard.start()
     try:
         serving = asyncio.create_task(server.serve(sockets=[listener]))

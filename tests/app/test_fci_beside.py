@@ -15,6 +15,7 @@ from station.api.auth import Authenticator
 from station.app.composition import compose
 from station.app.fci_beside import FciBeside
 from station.app.fci_run import FciRobotError
+from station.app.restart_limit import MOST_RESTARTS
 from station.client import StationClient
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
@@ -188,7 +189,7 @@ def test_port_is_free_when_the_station_has_ended(tmp_path):
         FciNetwork(HOST, PANDA.port)
 
 
-def test_process_that_dies_is_told_and_replaced(tmp_path):
+def test_process_that_dies_is_told_and_replaced_unless_it_dies_too_often(tmp_path):
     def is_served():
         try:
             FciNetwork(HOST, PANDA.port).close()
@@ -196,17 +197,24 @@ def test_process_that_dies_is_told_and_replaced(tmp_path):
             return False
         return True
 
-    built, warned = station_of(CONFIG, tmp_path), []
-    built.loop.start()
-    with FciBeside(built, HOST, warned.append):
+    def kill_it():
         command = ["pgrep", "-P", str(os.getpid()), "-f", "fci_door"]
         found = subprocess.run(command, capture_output=True, text=True, check=True)
         os.kill(int(found.stdout), signal.SIGKILL)
-        assert wait_until(lambda: warned)
-        assert "another begins" in warned[0]
-        assert wait_until(is_served)
+
+    built, warned = station_of(CONFIG, tmp_path), []
+    built.loop.start()
+    with FciBeside(built, HOST, warned.append):
+        for count in range(MOST_RESTARTS):
+            kill_it()
+            assert wait_until(lambda n=count: len(warned) > n)
+            assert "another begins" in warned[count]
+            assert wait_until(is_served)
+        kill_it()
+        assert wait_until(lambda: len(warned) > MOST_RESTARTS)
+        assert "too often" in warned[-1]
+        assert not is_served()
     built.loop.stop()
-    assert len(warned) == 1
 
 
 def test_no_process_is_left_beside_a_station_whose_loop_has_died(tmp_path, monkeypatch):

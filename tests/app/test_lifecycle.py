@@ -16,7 +16,8 @@ import pytest
 from station import compiled
 from station.api.server import ApiServer
 from station.app import lifecycle
-from station.app.lifecycle import UI_RESTARTS, ExtensionsBuild, StationRun
+from station.app.lifecycle import ExtensionsBuild, StationRun
+from station.app.restart_limit import MOST_RESTARTS
 from station.app.ui_process import UiOptions
 from station.client import StationClient
 from station.compiled import CompilationStatus
@@ -226,7 +227,7 @@ def test_end_of_the_dashboard_is_told(config_with_ui, monkeypatch):
     listener.run(config_with_ui)
 
     again = [w for w in listener.warnings if "it is started again" in w]
-    assert len(again) == UI_RESTARTS
+    assert len(again) == MOST_RESTARTS
     assert "The dashboard ended (exit code 3)" in listener.warnings[-1]
 
 
