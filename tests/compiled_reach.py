@@ -14,7 +14,8 @@ _WHOLE_CYCLES = "tests.conformance."
 def reaches_compiled(name: str) -> bool:
     """Return whether a module of tests names a compiled module, or has a part of one.
 
-    The suites of `tests/conformance` name none, and do: they are whole cycles.
+    The suites of `tests/conformance` count too. They name no compiled module, but run
+    whole cycles.
 
     Args:
         name: The module's name; it is imported.

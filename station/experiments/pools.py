@@ -252,8 +252,8 @@ def begin_worker(niceness: int) -> None:
         niceness: The niceness to have, 0 to 19.
     """
     be_polite(niceness)
-    # At the end without taking its worlds apart: Ruckig prints a page of warnings about
-    # what is left of them, and all results have been sent by then.
+    # End without taking the kept worlds apart, because Ruckig prints a page of warnings
+    # about what is left of them. All results have been sent by then.
     atexit.register(os._exit, 0)
     # Ignore Ctrl-C, because the parent handles it: the running trials may end.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,6 +1,7 @@
-"""The limit on open files, and so on connections, of this process; waiting for them.
+"""Open files of this process: their limit, and a wait until one can be read.
 
-Without a free file descriptor a server accepts no connection, and so no stop.
+Connections count as files. Without a free descriptor a server accepts none, and so no
+stop.
 """
 
 import resource
