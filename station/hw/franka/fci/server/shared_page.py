@@ -3,7 +3,8 @@
 A control thread may not send or receive. It leaves messages here and finds commands
 here; another process moves them to and from the network. Nobody locks: each kind of
 message has two places. A message is written into the place that is not valid, and
-becomes valid by its number. Each number has one writer.
+becomes valid by its number. Each number has one writer. The writer of two messages
+more writes where a reader may still copy: the reader then takes the newer message.
 """
 
 import mmap
@@ -14,6 +15,8 @@ _NUMBERS = 128
 _SLOT = 4096
 _STATE, _COMMAND, _ANSWERS = 0, 1, 2
 _SIZES = 8
+_COPIES = 3
+"""How often a reader copies at most; it need not copy twice unless it was held up."""
 PAGE_BYTES = _NUMBERS + 6 * _SLOT
 """Size of the shared memory [bytes]."""
 
@@ -73,11 +76,16 @@ class SharedPage:
         return data
 
     def _take(self, kind: int) -> bytes | None:
-        number = self._numbers[kind]
-        if number == self._taken[kind]:
-            return None
-        self._taken[kind] = number
-        return self._find(kind, number)
+        for _ in range(_COPIES):
+            number = self._numbers[kind]
+            if number == self._taken[kind]:
+                return None
+            data = self._find(kind, number)
+            # Another number by now: the next message may be in this place already.
+            if self._numbers[kind] == number:
+                self._taken[kind] = number
+                return data
+        return None
 
     def _put(self, kind: int, data: bytes | bytearray) -> None:
         number = self._numbers[kind] + 1

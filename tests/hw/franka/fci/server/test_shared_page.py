@@ -30,6 +30,23 @@ def test_newest_state_is_taken_once(sides):
     assert server.take_state() is None
 
 
+def test_state_that_is_overwritten_while_it_is_copied_is_not_taken(sides, monkeypatch):
+    control, server = sides
+    size, copy = PANDA.state.size, SharedPage._find
+    control.put_state(bytearray([1] * size))
+    coming = [bytearray([2] * size), bytearray([3] * size)]
+
+    def interrupted(self, kind, number):
+        data = copy(self, kind, number)
+        while coming:
+            control.put_state(coming.pop(0))
+        return data
+
+    monkeypatch.setattr(SharedPage, "_find", interrupted)
+    assert server.take_state() == bytes([3] * size)
+    assert server.take_state() is None
+
+
 def test_newest_command_is_taken_once_and_others_are_no_commands(sides):
     control, server = sides
     size = PANDA.command.size
