@@ -82,6 +82,7 @@ class FciBeside:
             features,
             is_commanded=lambda: hw.is_commanded,
             may_move=self._may_move,
+            now=loop.clock.now,
         )
         self._hand: HandGuest | None = None
         if hand is not None:

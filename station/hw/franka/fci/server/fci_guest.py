@@ -14,7 +14,11 @@ from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
     GripperSession,
 )
-from station.hw.franka.fci.server.robot_session import ClientFeatures, RobotSession
+from station.hw.franka.fci.server.robot_session import (
+    SHORTEST_WAIT,
+    ClientFeatures,
+    RobotSession,
+)
 from station.hw.franka.fci.server.shared_page import SharedPage
 from station.hw.franka.hand.hand_services import HandServices
 
@@ -89,6 +93,7 @@ class FciGuest(_Guest[RobotSession]):
         features: The versions that are spoken, and the models of the arm.
         is_commanded: Returns whether the station's controllers command the arm.
         may_move: Returns whether the station lets anybody move the arm.
+        now: Returns the time [s] by the clock of the control loop.
     """
 
     def __init__(
@@ -99,10 +104,13 @@ class FciGuest(_Guest[RobotSession]):
         *,
         is_commanded: Callable[[], bool],
         may_move: Callable[[], bool],
+        now: Callable[[], float],
     ) -> None:
         super().__init__(page, lambda: RobotSession(arm, features, self._is_free))
         self._arm = arm
         self._is_commanded, self._may_move = is_commanded, may_move
+        self._now = now
+        self._answerable = 0.0  # time until which nobody can have answered the state
 
     @property
     def is_moving(self) -> bool:
@@ -123,11 +131,17 @@ class FciGuest(_Guest[RobotSession]):
         super().open()
         self._page.take_command()  # one that the last client has left
 
-    def before_read(self) -> None:
-        """Pass the client's command on, before the arm makes a step."""
+    def before_read(self) -> bool:
+        """Pass the client's command on, before the arm makes a step.
+
+        Returns:
+            Whether the arm has to wait with its step. After a late cycle of the loop
+            the next one comes early, when the client has had no time to answer: that
+            command is not lost. The arm waits for one cycle, not for a silent client.
+        """
         session = self._session
         if session is None:
-            return
+            return False
         if session.is_moving and not self._is_free():
             self._unsent += session.preempt()
             if not self._is_commanded():  # else the controllers have the arm by now
@@ -135,7 +149,11 @@ class FciGuest(_Guest[RobotSession]):
         datagram = self._page.take_command()
         if datagram is not None:
             session.receive_command(datagram)
+        if session.misses_command and self._now() < self._answerable:
+            self._answerable = 0.0
+            return True
         self._unsent += session.before_cycle()
+        return False
 
     def after_read(self) -> None:
         """Leave the new state for the client, and the answers that became due."""
@@ -143,6 +161,7 @@ class FciGuest(_Guest[RobotSession]):
         if session is not None and session.udp_port is not None:
             arm.refresh_state()
             self._put_messages(session, round(arm.state.time / arm.cycle_time))
+            self._answerable = self._now() + SHORTEST_WAIT * arm.cycle_time
 
     def _is_free(self) -> bool:
         return self._may_move() and not self._is_commanded()
@@ -189,9 +208,9 @@ def with_guests(
     """
 
     def read_with_guests(time: float, period: float) -> None:
-        guest.before_read()
-        read(time, period)
-        guest.after_read()
+        if not guest.before_read():
+            read(time, period)
+            guest.after_read()
         wait(guest.is_answering)
         if hand is not None:
             hand.after_read()

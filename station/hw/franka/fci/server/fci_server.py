@@ -20,15 +20,16 @@ from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
     GripperSession,
 )
-from station.hw.franka.fci.server.robot_session import ClientFeatures, RobotSession
+from station.hw.franka.fci.server.robot_session import (
+    SHORTEST_WAIT,
+    ClientFeatures,
+    RobotSession,
+)
 from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 from station.hw.franka.hand.hand_services import HandServices
 
 _logger = logging.getLogger(__name__)
-_SHORTEST_WAIT = 0.5
-"""Part of a period in which a client can always answer, even when the server is
-late."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +117,7 @@ class FciServer:
         period = self._arm.cycle_time
         sent = deadline = self._clock()
         while not is_over():
-            deadline = max(deadline + period, sent + _SHORTEST_WAIT * period)
+            deadline = max(deadline + period, sent + SHORTEST_WAIT * period)
             self._wait(deadline)
             self._make_changes()
             self._cycle()

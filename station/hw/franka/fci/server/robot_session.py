@@ -71,6 +71,9 @@ from station.hw.franka.fci.wire.state_numbers import StateNumbers
 NO_FILTER = 1000.0
 """Cutoff frequency with which a filter of the arm does nothing [Hz]. Source:
 libfranka@0.9.2 include/franka/lowpass_filter.h, kMaxCutoffFrequency."""
+SHORTEST_WAIT = 0.5
+"""Part of a cycle of the arm in which a client can always answer, even if the arm is
+late."""
 
 _LIMITS = ServiceLimits()
 

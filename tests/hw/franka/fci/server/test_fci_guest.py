@@ -33,12 +33,14 @@ class BesideNetwork:
     def __init__(self):
         memory = bytearray(PAGE_BYTES)
         self.hw, self.page, self.may_move = make(), SharedPage(memory), True
+        self.now = 0.0
         self.guest = self.hw.guest = FciGuest(
             self.hw.arm,
             SharedPage(memory),
             ClientFeatures(),
             is_commanded=lambda: self.hw.is_commanded,
             may_move=lambda: self.may_move,
+            now=lambda: self.now,
         )
         self.waits = []
         self.read = with_guests(self.guest, self.hw.read, self.waits.append)
@@ -56,9 +58,14 @@ class BesideNetwork:
     def send_datagram(self, data):
         self.page.put_command(bytes(data))
 
-    def wait(self, buffer):
+    def cycle(self, passed=PERIOD):
+        """Run a cycle of the station some time after the last one."""
+        self.now += passed
         self.read(0.0, PERIOD)
         self.hw.write(0.0, PERIOD)
+
+    def wait(self, buffer):
+        self.cycle()
         state = self.page.take_state()
         if state is None:
             return 0
@@ -112,6 +119,30 @@ def test_arm_waits_for_a_late_loop_while_a_client_owes_commands(network, client)
     client.stop_motion()
     client.read_once()
     assert not network.waits[-1]
+
+
+def test_arm_waits_once_if_a_client_had_no_time_to_answer(network, client):
+    client.start_motion(JOINT, POSITION)
+    move(client)
+    before = network.hw.robot_state.time
+    network.cycle(0.3 * PERIOD)
+    assert network.hw.robot_state.time == before
+    network.cycle(0.1 * PERIOD)
+    assert network.hw.robot_state.time == pytest.approx(before + PERIOD)
+    network.cycle(0.6 * PERIOD)
+    assert network.hw.robot_state.time == pytest.approx(before + 2 * PERIOD)
+
+
+def test_answer_in_a_short_cycle_is_carried_out_at_once(network, client):
+    client.start_motion(JOINT, POSITION)
+    move(client)
+    q, before = list(client.state.q_d), network.hw.robot_state.time
+    q[0] += 5e-6
+    client.command_joint_positions(q)
+    network.now -= 0.8 * PERIOD
+    client.read_once()
+    assert network.hw.robot_state.time == pytest.approx(before + PERIOD)
+    assert network.hw.robot_state.q_d[0] == pytest.approx(q[0])
 
 
 def test_switch_is_refused_while_a_client_moves(network, client):
