@@ -165,7 +165,9 @@ async def _take(desk: Desk, call: Call) -> Answer:
         raise InvalidArgumentError(f"The timeout is no number: {error}.") from error
     token = desk.request_control(call.text("owner"))
     while desk.token is not token:
-        if desk.now() >= token.since + timeout:
+        is_over = desk.now() >= token.since + timeout
+        # Control that nobody knows of would be in the way of all others.
+        if is_over or await call.request.is_disconnected():
             desk.release_control(token.secret)
             holder = "" if desk.token is None else desk.token.owner
             raise DeskRefusalError(f"{holder} has control.", 424, "Timeout")

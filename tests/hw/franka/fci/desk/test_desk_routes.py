@@ -13,6 +13,7 @@ import sys
 from concurrent.futures import Future
 from queue import SimpleQueue
 
+import httpx
 import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
@@ -20,7 +21,7 @@ from websockets.exceptions import InvalidStatus
 from station.core.errors import ArmCommandError
 from station.web.limited_server import SocketProtocol
 from tests.hw.franka.fci.desk.desk_bench import HAND, take
-from tests.waiting import PATIENCE
+from tests.waiting import PATIENCE, wait_until
 
 
 def test_unlocking_of_the_present_interface(desk, client):
@@ -125,6 +126,16 @@ def test_second_client_waits_and_is_told_of_the_timeout(client):
     answer = client.post("/api/system/control-token:take", json=body)
     assert answer.status_code == 424
     assert answer.json() == {"code": "Timeout", "message": "ben has control."}
+
+
+def test_client_that_goes_while_it_waits_gets_no_control(desk, client):
+    control = take(client, "ben")
+    body = {"owner": "ada", "timeout": 60}
+    with pytest.raises(httpx.ReadTimeout):
+        client.post("/api/system/control-token:take", json=body, timeout=0.5)
+    assert wait_until(lambda: not desk.waiting)
+    client.post("/api/system/control-token:release", headers=control)
+    assert desk.token is None
 
 
 @pytest.mark.parametrize(
