@@ -38,10 +38,8 @@ class JointLimitsInterface(ResourceManager[L]):
     """Hold the limit handles of a robot, filled at start and enforced in `write`.
 
     Limits of one kind are enforced in one call, and in place if the joints lie side by
-    side in the robot's doubles.
-
-    Attributes:
-        enforced: The limits that are enforced in every cycle.
+    side in the robot's doubles. Handles are grouped when they are needed: to group them
+    at every registration would take most of the start of a robot with many joints.
     """
 
     def __init__(self) -> None:
@@ -51,7 +49,8 @@ class JointLimitsInterface(ResourceManager[L]):
         # Handles that another interface has grouped, or whose class overrides
         # `enforce_limits`.
         self._single: list[L] = []
-        self.enforced = EnforcedLimits()
+        self._is_grouped = True
+        self._runs = EnforcedLimits()
 
     @override
     def __init_subclass__(cls) -> None:
@@ -63,8 +62,13 @@ class JointLimitsInterface(ResourceManager[L]):
     def register_handle(self, handle: L) -> None:
         super().register_handle(handle)
         self._enforced = self.handles()
-        self._group_handles()
-        self.activate(self.get_names())
+        self._is_grouped = False
+
+    @property
+    def enforced(self) -> EnforcedLimits:
+        """The limits that are enforced in every cycle; the same object for ever."""
+        self._group_if_needed()
+        return self._runs
 
     def activate(self, names: Collection[str]) -> None:
         """Enforce the limits of these joints only, until a handle is registered.
@@ -74,6 +78,7 @@ class JointLimitsInterface(ResourceManager[L]):
         Args:
             names: Names of joints; names that are not registered are ignored.
         """
+        self._group_if_needed()
         runs: list[LimitedRun] = []
         for group, members in self._groups:
             first = 0
@@ -83,8 +88,8 @@ class JointLimitsInterface(ResourceManager[L]):
                     first = last
                 elif is_end:
                     runs.append(_run_of(group, first, last, members[first:last]))
-        self.enforced.runs = runs
-        self.enforced.singles = [h for h in self._single if h.name in names]
+        self._runs.runs = runs
+        self._runs.singles = [h for h in self._single if h.name in names]
 
     def enforce_limits(self, period: float) -> None:
         """Enforce the limits of all active joints. Control thread.
@@ -108,6 +113,12 @@ class JointLimitsInterface(ResourceManager[L]):
         """Return the latest clamp of every joint that had one. Any thread."""
         clamps = [handle.last_clamp for handle in self._enforced]
         return [clamp for clamp in clamps if clamp is not None]
+
+    def _group_if_needed(self) -> None:
+        if not self._is_grouped:
+            self._is_grouped = True
+            self._group_handles()
+            self.activate(self.get_names())
 
     def _group_handles(self) -> None:
         mine = [member for _, members in self._groups for member in members]
