@@ -3,13 +3,16 @@
 from itertools import product
 
 import httpx
+import pytest
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
+from station.web.failed_logins import FailedLogins
 from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
 from tests.api.openapi_document import operations
 from tests.api.spring import make_station
 from tests.api.test_errors import problem_of
+from tests.api.test_who_gets_in import no_sleep
 from tests.for_each import for_each
 
 OPEN = {
@@ -31,14 +34,31 @@ AS_VIEWER = {"Authorization": f"Bearer {VIEWER}"}
 
 
 def ask(route, **kwargs):
-    """Ask a station of its own, so that no refusal slows or changes the next."""
-    method, path = route
-    path = path.replace("{name}", "spring").replace("{topic}", "loop")
+    """Ask a station of its own, which nobody else has changed."""
+    return ask_app(*make_app(), route, **kwargs)
+
+
+def make_app():
+    """Return an app, which answers wrong tokens at once, and its station."""
     station = make_station()
     station.loop.step()
     app = create_app(station, Authenticator(OPERATOR, VIEWER))
+    app.state.services.failed_logins = FailedLogins(sleep=no_sleep)
+    return app, station
+
+
+def ask_app(app, station, route, **kwargs):
+    """Ask an app; return its answer and the station."""
+    method, path = route
+    path = path.replace("{name}", "spring").replace("{topic}", "loop")
     with httpx.Client(transport=AppTransport(app), base_url=URL) as http:
         return http.request(method, path, **kwargs), station
+
+
+@pytest.fixture
+def refusing():
+    """Return an app and its station, for requests that change nothing."""
+    return make_app()
 
 
 def test_there_are_routes_of_every_kind():
@@ -51,10 +71,10 @@ def test_there_are_routes_of_every_kind():
     "route, header",
     product(PROTECTED, [None, "Bearer wrong", "Basic b3A6"]),
 )
-def test_requests_without_a_token_are_refused(route, header):
+def test_requests_without_a_token_are_refused(refusing, route, header):
     headers = {} if header is None else {"Authorization": header}
 
-    answer, station = ask(route, headers=headers)
+    answer, station = ask_app(*refusing, route, headers=headers)
 
     problem_of(answer, 401, "unauthorized")
     assert answer.headers["www-authenticate"] == "Bearer"
@@ -62,8 +82,8 @@ def test_requests_without_a_token_are_refused(route, header):
 
 
 @for_each("route", CHANGING)
-def test_a_viewer_changes_nothing(route):
-    answer, station = ask(route, headers=AS_VIEWER)
+def test_a_viewer_changes_nothing(refusing, route):
+    answer, station = ask_app(*refusing, route, headers=AS_VIEWER)
 
     problem_of(answer, 403, "operator_needed")
     assert station.epoch == 1
@@ -77,7 +97,7 @@ def test_a_viewer_may_stop_and_watch(route):
 
 
 @for_each("route", CHANGING)
-def test_the_role_is_checked_before_the_body(route):
-    answer, _ = ask(route, json={"x": 1}, headers=AS_VIEWER)
+def test_the_role_is_checked_before_the_body(refusing, route):
+    answer, _ = ask_app(*refusing, route, json={"x": 1}, headers=AS_VIEWER)
 
     problem_of(answer, 403, "operator_needed")

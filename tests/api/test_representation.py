@@ -9,6 +9,7 @@ from station.api.representation import LARGE
 from station.api.server import ApiServer
 from tests.api.conftest import OPERATOR
 from tests.api.test_who_gets_in import bearer, routes_of
+from tests.for_each import for_each
 from tests.franka_station import make_franka_station
 
 DOCUMENT = "/api/v1/openapi.json"
@@ -47,8 +48,8 @@ def test_the_tag_of_gains_is_their_own(operator):
     assert operator.get(path, headers=tag).status_code == 304
 
 
-@pytest.mark.parametrize(
-    ("path", "accepted", "coding"),
+@for_each(
+    "path, accepted, coding",
     [
         (DOCUMENT, "gzip", "gzip"),
         (DOCUMENT, "br, gzip;q=0.5", "gzip"),

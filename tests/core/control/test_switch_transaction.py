@@ -268,7 +268,9 @@ def quick_to_give_up(monkeypatch):
 
 
 @pytest.mark.parametrize("request_", REQUESTS)
-@pytest.mark.parametrize("combined", [False, True])
+@pytest.mark.parametrize(
+    "combined", [False, pytest.param(True, marks=pytest.mark.long)]
+)
 def test_every_switch_commits_rolls_back_or_halts_and_says_so(combined, request_):
     tried = [case for case in cases() if case[0] is combined and case[1] == request_]
 
@@ -276,6 +278,15 @@ def test_every_switch_commits_rolls_back_or_halts_and_says_so(combined, request_
 
     assert wrong == {}
     assert runs >= min(60, len(tried))
+
+
+def test_every_fifth_switch_of_two_robots_does_too():
+    tried = [case for case in cases() if case[0]][::5]
+
+    runs, wrong = try_all(tried)
+
+    assert wrong == {}
+    assert runs > 300
 
 
 def test_the_model_tries_every_combination():

@@ -102,7 +102,13 @@ def assert_within_two_percent(felt: list[float], expected: list[float]) -> None:
         assert felt[part] == pytest.approx(expected[part], abs=0.02 * size)
 
 
-@pytest.mark.parametrize("push", pushes(10))
+@pytest.mark.parametrize(
+    "push",
+    [
+        *pushes(10)[:3],
+        *(pytest.param(push, marks=pytest.mark.long) for push in pushes(10)[3:]),
+    ],
+)
 @pytest.mark.parametrize("frame", [None, EE_T_K], ids=["EE", "K"])
 @pytest.mark.parametrize("payload", [False, True], ids=["bare", "loaded"])
 def test_push_of_the_hand_is_felt_with_opposite_sign(

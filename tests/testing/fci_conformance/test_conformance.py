@@ -99,18 +99,11 @@ def test_checks_that_move_are_left_out_unless_asked_for(tmp_path, monkeypatch, c
     assert report["moved"] is False
     said = capsys.readouterr().out
     assert "Franka Control Interface 5 at " in said
-
-
-def test_arm_that_tells_no_gravity_and_has_no_model_is_found_out(
-    tmp_path, monkeypatch, capsys
-):
-    _, rows, _ = run_checks(
-        ScriptedArm(), tmp_path, monkeypatch, features=ClientFeatures()
-    )
+    # This arm tells no gravity and has no model.
     gravity = rows["gravity is told"]
     assert gravity["result"] == "failed"
     assert gravity["seen"] == "(0, 0, 0) m/s²"
-    assert "expected: O_ddP_O is 9.81 m/s²" in capsys.readouterr().out
+    assert "expected: O_ddP_O is 9.81 m/s²" in said
     assert rows["model library is sent"]["result"] == "failed"
 
 
@@ -139,7 +132,12 @@ def test_arm_without_errors_is_found_out(tmp_path, monkeypatch):
     ("late_at", "result", "told"),
     [
         ([300], "passed", "0.0800 rad further"),
-        (range(0, 10_000, 200), "failed", "this side was late in 28 cycles"),
+        pytest.param(
+            range(0, 10_000, 200),
+            "failed",
+            "this side was late in 28 cycles",
+            marks=pytest.mark.long,
+        ),
     ],
 )
 def test_check_is_made_again_if_this_side_was_late(
@@ -155,7 +153,6 @@ def test_check_is_made_again_if_this_side_was_late(
     )
     row = rows["motion goes where it is told"]
     assert row["result"] == result
-    assert told in row["seen"]
     assert told in row["seen"]
 
 
