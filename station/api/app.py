@@ -2,13 +2,12 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastapi import APIRouter, FastAPI
+from fastapi import FastAPI
 from starlette.middleware.cors import CORSMiddleware
-from starlette.routing import BaseRoute
 
 import station as package
 from station.api import index, metrics
@@ -21,7 +20,7 @@ from station.api.errors import add_error_handlers
 from station.api.event_feed import EventFeed
 from station.api.guard import Guard
 from station.api.idempotency import IdempotentAnswers
-from station.api.openapi import StationApi, operation_id
+from station.api.openapi import StationApi
 from station.api.representation import Representation
 from station.api.routes import api_router, robots
 from station.api.routes.access import login_page
@@ -47,7 +46,6 @@ from station.wire.protocol import (
     LEASE_HEADER,
     MAX_BODY_BYTES,
     NOT_AFTER_HEADER,
-    PREFIX,
     REHEARSAL_HEADER,
     REPLAYED_HEADER,
 )
@@ -141,7 +139,6 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
         title="Control station",
         version=package.__version__,
         description=DESCRIPTION,
-        generate_unique_id_function=operation_id,
         # Spans and counters of telemetry would cost time in every request.
         telemetry={"tracing": False, "metrics": False, "logs": False},
     )
@@ -154,8 +151,9 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
     services.dashboard_url = dashboard_url
     app.state.services = services
     add_error_handlers(app)
-    app.router.routes.extend(_shared_routes())
-    app.include_router(robots.declared(station), prefix=PREFIX)
+    declared = robots.declared(station)
+    for router in (api_router, login_page, index.router, metrics.router, declared):
+        app.router.routes.extend(router.routes)
     policy = policy or HostPolicy()
     app.add_middleware(Representation)
     if policy.origins:
@@ -216,18 +214,3 @@ def _services(
 def _plan_path(player: PathPlayer, step: Mapping[str, Any]) -> dict[str, object]:
     """Return the trajectory goal for a step of a rehearsal that plays a path."""
     return player.plan_goal(step["path"], PlayOptions(**step["options"]))
-
-
-@cache
-def _shared_routes() -> tuple[BaseRoute, ...]:
-    """Return the routes that the applications of all stations have.
-
-    FastAPI prepares each route at its first request, which takes half a second for all
-    routes. Sharing the routes lets the applications of a process prepare them once.
-    """
-    shared = APIRouter(generate_unique_id_function=operation_id)
-    shared.include_router(api_router)
-    shared.include_router(login_page)
-    shared.include_router(index.router)
-    shared.include_router(metrics.router)
-    return tuple(shared.routes)

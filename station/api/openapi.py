@@ -102,11 +102,6 @@ _WHOEVER_HOLDS_CONTROL = frozenset({
 """Paths whose changes are allowed without control of the station."""
 
 
-def operation_id(route: APIRoute) -> str:
-    """Return the name of a route's function, which is unique and stable."""
-    return route.name
-
-
 class StationApi(FastAPI):
     """A FastAPI application whose document describes every error as a problem document.
 

@@ -1,7 +1,5 @@
 """The routes, in one file per resource; `api_router` has all routes."""
 
-from fastapi import APIRouter
-
 from station.api.routes import (
     access,
     bench,
@@ -21,10 +19,10 @@ from station.api.routes import (
     stop,
     streams,
 )
-from station.wire.protocol import PREFIX
+from station.api.routes.routing import ApiRouter
 
-api_router = APIRouter(prefix=PREFIX)
-for _router in (
+api_router = ApiRouter()
+api_router.join(
     status.router,
     access.router,
     controllers.router,
@@ -47,5 +45,4 @@ for _router in (
     streams.router,
     recordings.uploads,
     cameras.pictures,
-):
-    api_router.include_router(_router)
+)

@@ -20,7 +20,7 @@ from station.api.dependencies import AccessDep, OperatorAnyway, ServicesDep
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.named_tokens import NamedToken
-from station.api.routes.routing import problems
+from station.api.routes.routing import ApiRouter, problems
 from station.api.services import Services
 from station.events import EventKind
 from station.wire import (
@@ -34,10 +34,10 @@ from station.wire import (
 )
 from station.wire.station import TokenName
 
-router = APIRouter(tags=["access"], route_class=JsonRoute)
+router = ApiRouter(tags=["access"], route_class=JsonRoute)
 login_page = APIRouter(include_in_schema=False)
-tokens = APIRouter(
-    prefix="/tokens",
+tokens = ApiRouter(
+    "/tokens",
     tags=["access"],
     dependencies=[OperatorAnyway],
     route_class=JsonRoute,

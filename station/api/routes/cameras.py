@@ -3,16 +3,16 @@
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path
+from fastapi import Path
 from starlette.responses import Response, StreamingResponse
 
 from station import wire
 from station.api.dependencies import ServicesDep, Viewer
-from station.api.routes.routing import problems, routes_of
+from station.api.routes.routing import ApiRouter, problems, routes_of
 from station.wire.base import FileName
 
 router = routes_of("cameras")
-pictures = APIRouter(tags=["cameras"], dependencies=[Viewer])
+pictures = ApiRouter(tags=["cameras"], dependencies=[Viewer])
 """Routes whose answers are not JSON."""
 STAMP_HEADER = "X-Station-Time"
 """Header of a picture: the station time that it shows [s]."""

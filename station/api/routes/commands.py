@@ -3,7 +3,7 @@
 from functools import partial
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from station import wire
 from station.api import answers
@@ -15,7 +15,7 @@ from station.api.dependencies import (
 )
 from station.api.errors import ProblemError
 from station.api.routes.rehearsals import ByRehearsalDep
-from station.api.routes.routing import change, problems, routes_of
+from station.api.routes.routing import ApiRouter, change, problems, routes_of
 from station.core.control import controller as core_controller
 from station.wire import CommandAccepted, CommandInfo, CommandRequest, ControllerSample
 
@@ -184,6 +184,5 @@ def query_state(
     )
 
 
-router = APIRouter()
-router.include_router(_set_points)
-router.include_router(_goals)
+router = ApiRouter()
+router.join(_set_points, _goals)

@@ -2,7 +2,7 @@
 
 import logging
 
-from fastapi import APIRouter, Request, Response
+from fastapi import Request, Response
 from fastapi.responses import PlainTextResponse
 
 from station import wire
@@ -11,7 +11,7 @@ from station.api.audit import note_preview
 from station.api.dependencies import Operator, ServicesDep, StationDep
 from station.api.idempotency import Idempotent, IdempotentRoute
 from station.api.routes.rehearsals import ByRehearsalDep
-from station.api.routes.routing import change, problems, routes_of
+from station.api.routes.routing import ApiRouter, change, problems, routes_of
 from station.core.control import switching
 from station.core.facade.station import Station
 from station.library.gain_sets import controller_file
@@ -202,6 +202,5 @@ def _parameter(path: str, value: object) -> Parameter:
     return Parameter.model_validate({"path": path.strip("/"), "value": value})
 
 
-router = APIRouter()
-router.include_router(_controllers)
-router.include_router(_parameters)
+router = ApiRouter()
+router.join(_controllers, _parameters)

@@ -2,12 +2,12 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path
+from fastapi import Path
 
 from station import wire
 from station.api.dependencies import ServicesDep
 from station.api.routes.rehearsals import ByRehearsalDep
-from station.api.routes.routing import change, problems, routes_of
+from station.api.routes.routing import ApiRouter, change, problems, routes_of
 from station.library.path_player import PlayOptions
 from station.reports import (
     DockSettings,
@@ -145,6 +145,5 @@ def cancel_playback(services: ServicesDep) -> Playback:
     return services.path_player.cancel()
 
 
-router = APIRouter()
-router.include_router(_layouts)
-router.include_router(_paths)
+router = ApiRouter()
+router.join(_layouts, _paths)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from anyio import to_thread
-from fastapi import APIRouter, Depends, Path, Query
+from fastapi import Depends, Path, Query
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, StreamingResponse
 
@@ -12,7 +12,7 @@ from station import wire
 from station.api.audit import origin_of
 from station.api.dependencies import ServicesDep, StationDep, Viewer
 from station.api.json_route import QueryRoute
-from station.api.routes.routing import change, problems, routes_of
+from station.api.routes.routing import ApiRouter, change, problems, routes_of
 from station.core.errors import RecordingRefusedError
 from station.records.record_store import RECORDING, RecordingInfo, RecordStore
 from station.wire.protocol import PREFIX
@@ -120,7 +120,7 @@ _TABLE: dict[int | str, dict[str, Any]] = {
     }
 }
 router = routes_of("recordings")
-uploads = APIRouter(tags=["recordings"], dependencies=[Viewer], route_class=QueryRoute)
+uploads = ApiRouter(tags=["recordings"], dependencies=[Viewer], route_class=QueryRoute)
 """Route whose body is not JSON but a file, which is read as it comes."""
 
 
@@ -218,7 +218,7 @@ def get_incident(identifier: Id, store: StoreDep) -> wire.Recording:
 
 
 def both(
-    routes: APIRouter,
+    routes: ApiRouter,
     method: str,
     path: str,
     name: str,

@@ -21,6 +21,7 @@ from station.core.franka import (
     SimulatedFault,
 )
 from station.core.franka.arms import Arms
+from station.wire.protocol import PREFIX
 
 router = routes_of("robots", "/robots")
 _READ = problems(404, 503)
@@ -105,7 +106,7 @@ def declared(station: Station) -> APIRouter:
 
 def _service_path(route: object) -> str:
     path: str = getattr(route, "path", "")
-    return path.removeprefix("/robots/{arm_id}/")
+    return path.removeprefix(PREFIX + "/robots/{arm_id}/")
 
 
 _SERVICES = FrankaServices.services()

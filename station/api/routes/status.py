@@ -7,13 +7,11 @@ import platform
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 
-from fastapi import APIRouter
-
 import station as package
 from station.api import answers
 from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.errors import ProblemError
-from station.api.routes.routing import problems, routes_of
+from station.api.routes.routing import ApiRouter, problems, routes_of
 from station.core.control.hardware_components import ComponentState
 from station.reports import HardwareComponentReport, LoopStatistics
 from station.wire import (
@@ -27,7 +25,7 @@ from station.wire import (
     Status,
 )
 
-router = APIRouter()
+router = ApiRouter()
 components = routes_of("robot", "/hardware/components")
 
 

@@ -6,15 +6,14 @@ robot stops whatever the body of the request is.
 
 import asyncio
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
 from station.api import answers
 from station.api.dependencies import RoleDep, StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.routing import change, problems
+from station.api.routes.routing import ApiRouter, change, problems, routes_of
 from station.core.loop.stop_latch import StopLatch
 from station.wire import ReleaseRequest, StopRequest, StopState
 
@@ -31,8 +30,8 @@ _STOP_BODY = {
     }
 }
 
-router = APIRouter(tags=["stop"], dependencies=[Viewer])
-_release = APIRouter(route_class=JsonRoute)
+router = ApiRouter(tags=["stop"], dependencies=[Viewer])
+_release = routes_of("stop")
 
 
 @router.get("/stop", responses=problems())
@@ -81,4 +80,4 @@ def release_stop(
     return answers.stop_state(station)
 
 
-router.include_router(_release)
+router.join(_release)

@@ -2,7 +2,7 @@
 
 from typing import NoReturn
 
-from fastapi import APIRouter, WebSocket
+from fastapi import WebSocket
 
 from station import wire
 from station.api.audit import note_access, origin_of
@@ -10,7 +10,7 @@ from station.api.auth import Access, Role
 from station.api.control import ControlHeldError
 from station.api.dependencies import Viewer
 from station.api.errors import ProblemError
-from station.api.routes.routing import problems
+from station.api.routes.routing import ApiRouter, problems
 from station.api.services import services_of
 from station.api.streams import StreamRequestError
 from station.api.streams.command_stream import CommandStream, parse_command_request
@@ -22,7 +22,7 @@ from station.wire.protocol import LEASE_HEADER
 MOST_COMMAND_STREAMS = 16
 """Most streams of set-points at a time."""
 
-router = APIRouter(tags=["streams"])
+router = ApiRouter(tags=["streams"])
 
 
 def access_of(websocket: WebSocket) -> Access | None:
