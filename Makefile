@@ -81,9 +81,11 @@ check: static compile-if-possible
 	@sh tools/test.sh quick $(PYTEST_ARGS)
 
 test: check browser
+	@sh tools/test.sh interpreted $(PYTEST_ARGS)
 	@sh tools/test.sh slow $(PYTEST_ARGS)
 
 test-long: compile-if-possible browser
+	@sh tools/test.sh interpreted tests/conformance
 	@sh tools/test.sh long $(PYTEST_ARGS)
 
 lock: EXPORT := --quiet --no-config --locked --no-emit-project

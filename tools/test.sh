@@ -1,9 +1,9 @@
 #!/bin/sh
 # Run the tests: `test.sh quick` those that need no more than this process, `test.sh slow`
 # those with a browser or whole processes, and `test.sh long` the rest, which no run of all
-# tests has the time for; more arguments go to pytest. The extensions are compiled first. What
-# reaches them then runs twice, compiled and interpreted; everything else runs compiled.
-# Without a C compiler, which is said, everything runs interpreted, once.
+# tests has the time for; more arguments go to pytest. The extensions are compiled first.
+# `test.sh interpreted` runs once more, interpreted, what reaches them; `quick` and `slow`
+# run compiled. Without a C compiler, which is said, they run interpreted instead.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -46,12 +46,12 @@ quick)
     run "not slow and not alone and not long" auto "$@"
     # Tests that run alone wait most of the time: two leave each other the processor.
     patiently "alone and not slow and not long" 2 --dist loadfile --marked alone "$@"
-    if [ -n "${STATION_COMPILED:-}" ]; then
-        say "once more, interpreted: what reaches compiled modules"
-        [ "$1" != tests ] || set -- tests/core tests/hw tests/controllers tests/memory tests/conformance
-        export STATION_COMPILED=0
-        run "not slow and not alone and not long" auto --reaching-compiled "$@"
-    fi
+    ;;
+interpreted)
+    [ -n "${STATION_COMPILED:-}" ] || exit 0
+    [ $# -gt 0 ] || set -- tests/core tests/hw tests/controllers tests/memory
+    export STATION_COMPILED=0
+    run "not slow and not alone and not long" auto --reaching-compiled "$@"
     ;;
 slow)
     # A file is run by one worker: its stations and pages are started once. One worker
@@ -63,5 +63,5 @@ long)
     [ $# -gt 0 ] || set -- tests
     patiently long auto --dist loadfile --no-loadscope-reorder --marked long "$@"
     ;;
-*) say "quick, slow or long, not $which" && exit 2 ;;
+*) say "quick, interpreted, slow or long, not $which" && exit 2 ;;
 esac
