@@ -8,7 +8,7 @@ import anyio
 import anyio.to_thread
 import orjson
 from fastapi import FastAPI
-from fastapi.routing import APIRoute, iter_route_contexts
+from fastapi.routing import APIRoute
 from starlette.types import Receive, Scope, Send
 from typing_extensions import override
 
@@ -130,12 +130,10 @@ class StationApi(FastAPI):
         This is too long for an answer that only names paths.
         """
         found: dict[str, set[str]] = {}
-        for route in iter_route_contexts(self.routes):
-            path, methods = route.path_format, route.methods
-            if not isinstance(route.original_route, APIRoute) or not path:
-                continue  # a WebSocket, or a page
-            if route.include_in_schema and methods:
-                found.setdefault(path, set()).update(methods)
+        for route in self.routes:
+            # The others are WebSockets and pages.
+            if isinstance(route, APIRoute) and route.include_in_schema:
+                found.setdefault(route.path_format, set()).update(route.methods)
         return found
 
     async def openapi_json(self) -> bytes:

@@ -17,6 +17,10 @@ def test_a_configured_host_is_answered():
         assert http.get("/api/v1/session").status_code == 401
 
 
+def test_no_router_stands_between_a_request_and_its_route(app):
+    assert [route for route in app.routes if not hasattr(route, "path")] == []
+
+
 def test_the_body_limit_can_be_set(station, authenticator):
     app = create_app(station, authenticator, max_body=10)
     with httpx.Client(transport=AppTransport(app), base_url="http://127.0.0.1") as http:

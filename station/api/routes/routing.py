@@ -36,7 +36,7 @@ class ApiRouter(APIRouter):
     """A router of the API, whose routes are complete as soon as they are declared.
 
     Routers are joined. To include one in another, the framework makes each route once
-    more, which took a fifth of the start of a station, and looks for the route of a
+    more, which took a quarter of the start of a station, and looks for the route of a
     request in every router in between.
 
     Args:
