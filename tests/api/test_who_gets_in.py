@@ -189,7 +189,7 @@ def wrongly_answered(server, http, routes):
                 status, code, closed = caller.refusals
             if method == SOCKET:
                 # Silence is an answer as well to who may listen.
-                patience = 1.0 if may else PATIENCE
+                patience = 0.3 if may else PATIENCE
                 found = close_code(server, path, caller.headers, patience)
                 is_refused = found == closed
             else:

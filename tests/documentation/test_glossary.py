@@ -1,6 +1,5 @@
 """The glossary explains the house words that public classes are named after."""
 
-import ast
 import re
 
 from tests.documentation.shell_examples import ROOT
@@ -35,12 +34,9 @@ def unexplained(names: set[str], glossary: str) -> dict[str, set[str]]:
 
 
 def public_classes() -> set[str]:
-    return {
-        node.name
-        for path in (ROOT / "station").rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text()))
-        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
-    }
+    sources = (path.read_text() for path in (ROOT / "station").rglob("*.py"))
+    found = (re.findall(r"^ *class ([A-Z]\w*)", text, re.M) for text in sources)
+    return {name for names in found for name in names}
 
 
 def test_a_house_word_without_an_entry_is_found():

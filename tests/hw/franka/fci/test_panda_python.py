@@ -16,7 +16,8 @@ import pytest
 from tests.waiting import PATIENCE
 
 pytest.importorskip("panda_py")
-pytestmark = [pytest.mark.slow, pytest.mark.alone]
+# pylibfranka and franky, of the newest version, are tried in every run.
+pytestmark = [pytest.mark.slow, pytest.mark.alone, pytest.mark.long]
 
 CLIENT = Path(__file__).with_name("panda_client.py")
 SCENARIOS = (

@@ -352,7 +352,13 @@ def survive(version, frames, kind):
     return fuzzer
 
 
-@pytest.mark.parametrize("version", PROTOCOLS)
+@pytest.mark.parametrize(
+    "version",
+    [
+        pytest.param(one, marks=[] if one in {5, 10} else pytest.mark.long)
+        for one in PROTOCOLS
+    ],
+)
 def test_a_thousand_frames_over_sockets_end_nothing(version):
     survive(version, 1000, Sockets)
 
