@@ -133,7 +133,7 @@ class StationApi(FastAPI):
         for route in self.routes:
             # The others are WebSockets and pages.
             if isinstance(route, APIRoute) and route.include_in_schema:
-                found.setdefault(route.path_format, set()).update(route.methods)
+                found.setdefault(route.path_format, set()).update(route.methods or ())
         return found
 
     async def openapi_json(self) -> bytes:
