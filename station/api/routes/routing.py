@@ -45,8 +45,9 @@ class ApiRouter(APIRouter):
     """
 
     def __init__(self, prefix: str = "", **options: Any) -> None:  # noqa: ANN401 - those of the framework
-        options = {"generate_unique_id_function": operation_id, **options}
-        super().__init__(prefix=PREFIX + prefix, **options)
+        super().__init__(
+            prefix=PREFIX + prefix, generate_unique_id_function=operation_id, **options
+        )
 
     def join(self, *others: APIRouter) -> None:
         """Take over the routes of other routers."""

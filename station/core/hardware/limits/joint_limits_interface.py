@@ -38,13 +38,13 @@ class JointLimitsInterface(ResourceManager[L]):
     """Hold the limit handles of a robot, filled at start and enforced in `write`.
 
     Limits of one kind are enforced in one call, and in place if the joints lie side by
-    side in the robot's doubles. Handles are grouped when they are needed: to group them
-    at every registration would take most of the start of a robot with many joints.
+    side in the robot's doubles. Handles are grouped when they are first enforced: to
+    group all of them at every registration took a fifth of the start of an arm.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        self._enforced: list[L] = []
+        self._members: list[L] = []
         self._groups: list[tuple[JointLimitsGroup, list[L]]] = []
         # Handles that another interface has grouped, or whose class overrides
         # `enforce_limits`.
@@ -61,13 +61,14 @@ class JointLimitsInterface(ResourceManager[L]):
     @override
     def register_handle(self, handle: L) -> None:
         super().register_handle(handle)
-        self._enforced = self.handles()
+        self._members = self.handles()
         self._is_grouped = False
 
     @property
     def enforced(self) -> EnforcedLimits:
-        """The limits that are enforced in every cycle; the same object for ever."""
-        self._group_if_needed()
+        """The limits to enforce in every cycle; ask again after a registration."""
+        if not self._is_grouped:
+            self._group_all()
         return self._runs
 
     def activate(self, names: Collection[str]) -> None:
@@ -78,7 +79,7 @@ class JointLimitsInterface(ResourceManager[L]):
         Args:
             names: Names of joints; names that are not registered are ignored.
         """
-        self._group_if_needed()
+        enforced = self.enforced  # grouped, if they were not
         runs: list[LimitedRun] = []
         for group, members in self._groups:
             first = 0
@@ -88,8 +89,8 @@ class JointLimitsInterface(ResourceManager[L]):
                     first = last
                 elif is_end:
                     runs.append(_run_of(group, first, last, members[first:last]))
-        self._runs.runs = runs
-        self._runs.singles = [h for h in self._single if h.name in names]
+        enforced.runs = runs
+        enforced.singles = [h for h in self._single if h.name in names]
 
     def enforce_limits(self, period: float) -> None:
         """Enforce the limits of all active joints. Control thread.
@@ -97,34 +98,36 @@ class JointLimitsInterface(ResourceManager[L]):
         Args:
             period: Time since the last cycle [s], > 0.
         """
-        self.enforced.enforce(period)
+        if not self._is_grouped:
+            self._group_all()
+        self._runs.enforce(period)  # in every cycle: the property would cost a call
 
     def reset(self) -> None:
         """Forget all previous commands. Control thread, at a cycle boundary."""
-        for handle in self._enforced:
+        for handle in self._members:
             handle.reset()
 
     @property
     def clamp_count(self) -> int:
         """The number of commands that were changed, over all joints. Any thread."""
-        return sum(handle.clamp_count for handle in self._enforced)
+        return sum(handle.clamp_count for handle in self._members)
 
     def last_clamps(self) -> list[Clamp]:
         """Return the latest clamp of every joint that had one. Any thread."""
-        clamps = [handle.last_clamp for handle in self._enforced]
+        clamps = [handle.last_clamp for handle in self._members]
         return [clamp for clamp in clamps if clamp is not None]
 
-    def _group_if_needed(self) -> None:
-        if not self._is_grouped:
-            self._is_grouped = True
-            self._group_handles()
-            self.activate(self.get_names())
+    def _group_all(self) -> None:
+        """Group the handles, and enforce all of them."""
+        self._is_grouped = True
+        self._group_handles()
+        self.activate(self.get_names())
 
     def _group_handles(self) -> None:
         mine = [member for _, members in self._groups for member in members]
         self._groups, self._single = [], []
         alike: dict[tuple[Arithmetic, int], list[L]] = {}
-        for handle in self._enforced:
+        for handle in self._members:
             # A handle keeps its last command in one group only; a second group would
             # limit it again.
             if handle.enforces_alone or (handle.is_grouped and handle not in mine):
