@@ -25,7 +25,7 @@ from station.core.errors import RehearsalError, StationError
 from station.core.facade.station import Station
 from station.core.franka import CollisionBehavior
 from station.core.loop.stop_latch import StopState
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.franka_hw import FrankaHW
 
 ResultT = TypeVar("ResultT")
@@ -44,7 +44,7 @@ class Likeness:
         config: The configuration, without controllers and without the address of the
             arm.
         positions: Positions of the joints by name [rad].
-        load: Load that is set in the arm.
+        load: RigidBody that is set in the arm.
         end_effector: NE_T_EE, column-major, shape (16,).
         stiffness_frame: EE_T_K, column-major, shape (16,).
         behavior: Collision thresholds that are set in the arm; None for those of the
@@ -58,7 +58,7 @@ class Likeness:
 
     config: StationConfig
     positions: Mapping[str, float]
-    load: Load
+    load: RigidBody
     end_effector: tuple[float, ...]
     stiffness_frame: tuple[float, ...]
     behavior: CollisionBehavior | None
@@ -106,7 +106,7 @@ class Likeness:
         return cls(
             config.model_copy(update={"robot": robot, **bare}),
             dict(zip(station.joint_names, now, strict=True)),
-            Load(state.m_load, (*state.F_x_Cload,), (*state.I_load,)),
+            RigidBody(state.m_load, (*state.F_x_Cload,), (*state.I_load,)),
             (*state.NE_T_EE,),
             (*state.EE_T_K,),
             real.arm.collision_behavior(),

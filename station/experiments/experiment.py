@@ -11,10 +11,10 @@ from station.experiments.designs import parse_range, points
 from station.experiments.runner import Progress, Runner, Watcher
 from station.experiments.trial_world import TrialWorld, default_script
 from station.experiments.tuning import Search, Tuned, tunable_gains, tune
-from station.trials.analysis import goal_as_plan, ranked
+from station.trials.analysis import objective_as_plan, ranked
 from station.trials.errors import UnknownParameterError
-from station.trials.goal import Bound, Goal
 from station.trials.metrics import check_measured
+from station.trials.objective import Bound, Objective
 from station.trials.parameters import check
 from station.trials.results import Results
 from station.trials.trial import Script, Setup, Trial
@@ -195,8 +195,11 @@ class TuneExperiment(Experiment):
         chosen = tunable_gains(_of_joints(start, request.joints), request.gains)
         self._gains = {f"{prefix}{name}": value for name, value in chosen.items()}
         self._ranges = {f"{prefix}{name}": ranges[name] for name in chosen}
-        self._goal = _goal(request)
-        for metric in (*self._goal.weights, *(b.metric for b in self._goal.bounds)):
+        self._objective = _objective(request)
+        for metric in (
+            *self._objective.weights,
+            *(b.metric for b in self._objective.bounds),
+        ):
             check_measured(metric, base.script)
         self._first = Trial(
             base.setup, base.script, {**base.parameters, **self._gains}, base.seed
@@ -204,7 +207,7 @@ class TuneExperiment(Experiment):
         self.tuned: Tuned | None = None
         self.plan |= {
             "first": self._first.hash,
-            "goal": goal_as_plan(self._goal),
+            "goal": objective_as_plan(self._objective),
             "gains": self._gains,
         }
         # A search may be continued with more trials, so their number is no part of its
@@ -221,7 +224,7 @@ class TuneExperiment(Experiment):
         self, results: Results, executor: Executor, watch: Watcher = lambda _: None
     ) -> Progress:
         self.tuned = tune(
-            *(self._first, self._gains, self._goal, self._search),
+            *(self._first, self._gains, self._objective, self._search),
             *(results, executor, watch),
             ranges=self._ranges,
         )
@@ -416,11 +419,11 @@ def _of_joints(
     }
 
 
-def _goal(request: ExperimentRequest) -> Goal:
+def _objective(request: ExperimentRequest) -> Objective:
     if request.bounds is None:
-        return Goal(request.weights)
+        return Objective(request.weights)
     bounds = tuple(
         Bound(each.metric, each.limit, is_relative=each.is_relative)
         for each in request.bounds
     )
-    return Goal(request.weights, bounds)
+    return Objective(request.weights, bounds)

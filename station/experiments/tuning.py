@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from station.core.errors import suggest
 from station.experiments.runner import Progress, Runner, Watcher
 from station.trials.errors import ExperimentError, UnknownParameterError
-from station.trials.goal import Goal
+from station.trials.objective import Objective
 from station.trials.results import Results
 from station.trials.trial import Trial, TrialResult
 
@@ -109,7 +109,7 @@ def tunable_gains(
 def tune(
     first: Trial,
     gains: Mapping[str, float],
-    goal: Goal,
+    objective: Objective,
     search: Search,
     results: Results,
     executor: Executor,
@@ -126,7 +126,7 @@ def tune(
         first: The trial from which the search starts, with the present gains.
         gains: Initial values of the gains that may change, by parameter
             (`gains/arm/panda_joint1/p`), > 0.
-        goal: Measure by which trials are compared.
+        objective: Measure by which trials are compared.
         search: Options of the search.
         results: File of the trials.
         executor: Runs the trials.
@@ -135,7 +135,7 @@ def tune(
             may have any value.
 
     Raises:
-        ExperimentError: The first trial fails, or lacks a metric of the goal.
+        ExperimentError: The first trial fails, or lacks a metric of the objective.
         KeyboardInterrupt: Ctrl-C came before the end of the first trial.
     """
     space = _Space(gains, ranges or {}, search)
@@ -143,7 +143,7 @@ def tune(
     runner = Runner(
         results, executor, lambda p: watch(_of_search(p, results, search.trials))
     )
-    found = _begin(first, goal, search, results, runner)
+    found = _begin(first, objective, search, results, runner)
     seen, idle, strictness = {first.hash}, 0, _STRICTNESS
     while not found.progress.is_interrupted:
         if len(seen) + strategy.popsize > search.trials:
@@ -157,13 +157,15 @@ def tune(
         best_before = found.best
         progress = runner.run(candidates, search.trials)
         found.progress = _of_search(progress, results, search.trials)
-        ended = _judge(candidates, goal, results, found)
+        ended = _judge(candidates, objective, results, found)
         if len(ended) < len(candidates):
             break
         seen.update(trial.hash for trial in candidates)
         before = found.first_result.metrics
-        strategy.tell(points, [goal.softened(r, before, strictness) for r in ended])
-        kept = sum(goal.excess(r, before) <= 0.0 for r in ended)
+        strategy.tell(
+            points, [objective.softened(r, before, strictness) for r in ended]
+        )
+        kept = sum(objective.excess(r, before) <= 0.0 for r in ended)
         strictness *= 1.0 / _STRICTER if kept > _KEPT * len(ended) else _STRICTER
         idle = idle + 1 if found.best is best_before else 0
         if idle >= search.patience or strategy.stop():
@@ -174,13 +176,13 @@ def tune(
 
 
 def _begin(
-    first: Trial, goal: Goal, search: Search, results: Results, runner: Runner
+    first: Trial, objective: Objective, search: Search, results: Results, runner: Runner
 ) -> Tuned:
     """Run the first trial; return the search with it as the best.
 
     Raises:
         KeyboardInterrupt: Ctrl-C came before its end.
-        ExperimentError: The first trial fails, or lacks a metric of the goal.
+        ExperimentError: The first trial fails, or lacks a metric of the objective.
     """
     progress = _of_search(runner.run([first], search.trials), results, search.trials)
     begun = results.find(first.hash)
@@ -192,7 +194,7 @@ def _begin(
             f"{begun.reason}",
             remedy="Begin with gains under which the robot carries the script out.",
         )
-    cost = goal.cost(begun, begun.metrics)
+    cost = objective.cost(begun, begun.metrics)
     return Tuned(first, begun, first, begun, cost, progress, "")
 
 
@@ -249,7 +251,7 @@ class _Space:
 
 
 def _judge(
-    candidates: Sequence[Trial], goal: Goal, results: Results, found: Tuned
+    candidates: Sequence[Trial], objective: Objective, results: Results, found: Tuned
 ) -> list[TrialResult]:
     """Return the results up to the first trial that has not ended; note a better one.
 
@@ -261,7 +263,7 @@ def _judge(
         if result is None:
             break
         ended.append(result)
-        cost = goal.cost(result, found.first_result.metrics)
+        cost = objective.cost(result, found.first_result.metrics)
         if cost < found.best_cost:
             found.best, found.best_result, found.best_cost = trial, result, cost
     return ended

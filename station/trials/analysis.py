@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from station.trials.errors import ExperimentError
-from station.trials.goal import Bound, Goal
 from station.trials.metrics import LARGER_IS_BETTER, UNITS, check_metric
+from station.trials.objective import Bound, Objective
 from station.trials.parameters import gains_under, sort_out
 from station.trials.results import Results, Row
 from station.trials.trial import Trial
@@ -59,21 +59,21 @@ class Comparison:
     p_value: float
 
 
-def goal_of(results: Results) -> Goal | None:
-    """Return the goal of a search; None for other experiments."""
+def objective_of(results: Results) -> Objective | None:
+    """Return the objective of a search; None for other experiments."""
     plan = results.plan.get("goal")
     if not isinstance(plan, dict):
         return None
     bounds = [
         Bound(name, limit, is_relative=rel) for name, limit, rel in plan["bounds"]
     ]
-    return Goal(dict(plan["weights"]), tuple(bounds))
+    return Objective(dict(plan["weights"]), tuple(bounds))
 
 
-def goal_as_plan(goal: Goal) -> dict[str, object]:
-    """Return the goal of a search as plain data, for the plan of the experiment."""
-    bounds = [[b.metric, b.limit, b.is_relative] for b in goal.bounds]
-    return {"weights": dict(goal.weights), "bounds": bounds}
+def objective_as_plan(objective: Objective) -> dict[str, object]:
+    """Return an objective as plain data, for the plan of the experiment."""
+    bounds = [[b.metric, b.limit, b.is_relative] for b in objective.bounds]
+    return {"weights": dict(objective.weights), "bounds": bounds}
 
 
 def ranked(results: Results, metric: str | None = None) -> list[Row]:
@@ -81,16 +81,16 @@ def ranked(results: Results, metric: str | None = None) -> list[Row]:
 
     Args:
         results: The experiment.
-        metric: Metric that ranks the trials; None takes the goal of a search, or else
-            `rms_error`.
+        metric: Metric that ranks the trials; None takes the objective of a search, or
+            else `rms_error`.
 
     Raises:
         UnknownParameterError: The metric is unknown.
         ExperimentError: No trial is done, or no trial has the metric.
     """
     rows = results.rows()
-    goal = goal_of(results) if metric is None else None
-    if goal is not None and rows:
+    objective = objective_of(results) if metric is None else None
+    if objective is not None and rows:
         first = _first(results, rows)
         done = [row for row in rows if row.result.state == "done"]
         if not done:
@@ -98,7 +98,7 @@ def ranked(results: Results, metric: str | None = None) -> list[Row]:
                 f"All trials of '{results.path.stem}' have failed.",
                 remedy="`station experiments show` says why.",
             )
-        return sorted(done, key=lambda row: goal.cost(row.result, first))
+        return sorted(done, key=lambda row: objective.cost(row.result, first))
     name = metric or "rms_error"
     check_metric(name)
     known = [r for r in rows if r.result.state == "done" and name in r.result.metrics]
@@ -146,10 +146,10 @@ def best_of(results: Results, metric: str | None = None) -> Row | None:
 
 def cost_of(results: Results, row: Row) -> float | None:
     """Return the cost of a trial of a search; None in other experiments."""
-    goal = goal_of(results)
-    if goal is None:
+    objective = objective_of(results)
+    if objective is None:
         return None
-    return goal.cost(row.result, _first(results, results.rows()))
+    return objective.cost(row.result, _first(results, results.rows()))
 
 
 def gains_of(results: Results, trial: Trial) -> dict[str, dict[str, float]]:

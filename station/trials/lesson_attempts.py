@@ -406,7 +406,7 @@ class LessonAttempts:
         while not end.wait(_LOOK) and looks < _LONGEST / _LOOK:
             if loop.state is not LoopState.RUNNING:
                 return
-            loop.right_of_way.give()
+            loop.cycle_yield.wait_if_cycle_is_due()
             with self._lock:
                 if watch is self._watch:
                     watch.take()

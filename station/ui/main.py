@@ -23,7 +23,7 @@ from station.ui.link.station_access import StationAccess, StationFollower
 from station.ui.page.workspace_routes import WorkspaceParts
 from station.ui.scene.robot_model import RobotModel, RobotModelError, load_robot
 from station.ui.sessions.session_access import SessionAccess, SessionPusher
-from station.ui.sessions.sessions import Role, Session, Sessions, SessionStore
+from station.ui.sessions.sessions import BrowserSession, Role, Sessions, SessionStore
 from station.web.limited_server import (
     LimitedServer,
     SocketProtocol,
@@ -164,7 +164,7 @@ async def _serve(
         follows=config.follower is not None,
         ca=config.ca,
     )
-    shown.begin_within(sessions.promptness)
+    shown.begin_within(sessions.deadline)
     pusher = SessionPusher(sessions, logged_in)
     dashboard = Dashboard(
         guarded.server,
@@ -268,7 +268,7 @@ def _gateway(
     async def role_of(token: str) -> Role | None:
         return await ask_role(access.url, token, config.ca)
 
-    async def release(session: Session, *, arm: bool) -> StopState:
+    async def release(session: BrowserSession, *, arm: bool) -> StopState:
         async with access.client_of(session) as client:
             return await client.release_stop(arm=arm)
 

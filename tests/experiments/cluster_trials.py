@@ -15,14 +15,14 @@ from distributed import LocalCluster
 from station.experiments.cluster import ClusterExecutor
 from station.experiments.runner import Progress
 from station.experiments.tuning import Search, tune
-from station.trials.goal import Bound, Goal
+from station.trials.objective import Bound, Objective
 from station.trials.results import Results
 from station.trials.trial import Script, Setup, Trial
 from station.wire.excitations import Step
 
 GROUP = "effort_group_position_controller"
 GAINS = {f"gains/{GROUP}/panda_joint1/p": 120.0, f"gains/{GROUP}/panda_joint1/d": 150.0}
-GOAL = Goal(bounds=(Bound("violations", 0.0),))
+OBJECTIVE = Objective(bounds=(Bound("violations", 0.0),))
 SEARCH = Search(trials=31)
 
 
@@ -56,7 +56,7 @@ def main() -> None:
             if progress.ended >= 14:  # the search goes on without them until here
                 cluster.wait_for_workers(3, timeout=60)
 
-        tuned = tune(first, GAINS, GOAL, SEARCH, results, executor, disturb)
+        tuned = tune(first, GAINS, OBJECTIVE, SEARCH, results, executor, disturb)
         rows = results.rows()
     sys.stdout.write(
         json.dumps({

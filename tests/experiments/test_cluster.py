@@ -12,7 +12,7 @@ from station.experiments.pools import InThisProcess
 from station.experiments.tuning import tune
 from station.trials.results import Results
 from station.trials.trial import Setup
-from tests.experiments.cluster_trials import GAINS, GOAL, SEARCH, first_trial
+from tests.experiments.cluster_trials import GAINS, OBJECTIVE, SEARCH, first_trial
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 def test_search_finds_the_same_when_workers_go_and_come(tmp_path):
     """A worker is killed and one added: no trial is lost, none is counted twice."""
     with Results.create(tmp_path / "l.sqlite", "tune", Setup.load(), {}) as results:
-        here = tune(first_trial(), GAINS, GOAL, SEARCH, results, InThisProcess())
+        here = tune(first_trial(), GAINS, OBJECTIVE, SEARCH, results, InThisProcess())
         rows = {row.result.hash: dict(row.result.metrics) for row in results.rows()}
 
     result = subprocess.run(

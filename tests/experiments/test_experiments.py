@@ -10,10 +10,10 @@ from station.experiments.exports import data_frame, export, table, write_gains
 from station.experiments.plots import KINDS, pareto_front, plot
 from station.experiments.pools import InThisProcess
 from station.experiments.trial_world import default_script, small_motions
-from station.trials.analysis import goal_as_plan, ranked
+from station.trials.analysis import objective_as_plan, ranked
 from station.trials.background_experiments import ExperimentProcess
 from station.trials.errors import ExperimentError
-from station.trials.goal import Goal
+from station.trials.objective import Objective
 from station.trials.results import Results
 from station.trials.trial import TrialResult
 from tests.experiments.conftest import GROUP
@@ -69,7 +69,7 @@ def test_worst_trials_are_kept_as_recordings(tmp_path, step, world):
 
 
 def test_trials_that_have_all_failed_are_kept_and_none_is_the_best(tmp_path, step):
-    plan = {"goal": goal_as_plan(Goal()), "first": step.hash}
+    plan = {"goal": objective_as_plan(Objective()), "first": step.hash}
     with Results.create(tmp_path / "f.sqlite", "tune", step.setup, plan) as results:
         results.add(step, TrialResult(step.hash, "failed", "a reflex", {}, 0.1, "w"))
 

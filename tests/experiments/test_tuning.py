@@ -14,7 +14,7 @@ from station.trials.errors import (
     ExperimentError,
     UnknownParameterError,
 )
-from station.trials.goal import Bound, Goal
+from station.trials.objective import Bound, Objective
 from station.trials.results import Results
 from tests.experiments.conftest import GROUP
 
@@ -31,9 +31,9 @@ def test_gains_that_a_search_changes():
 
 
 def search(first, path, trials=24):
-    goal = Goal(bounds=(Bound("violations", 0.0),))
+    objective = Objective(bounds=(Bound("violations", 0.0),))
     with Results.create(path, "tune", first.setup, {}) as results:
-        tuned = tune(first, GAINS, goal, Search(trials), results, InThisProcess())
+        tuned = tune(first, GAINS, objective, Search(trials), results, InThisProcess())
         return tuned, [row.result.hash for row in results.rows()]
 
 
@@ -59,12 +59,12 @@ def test_search_improves_and_goes_on_after_it_was_killed(step, tmp_path):
 
 
 def test_no_gain_leaves_its_range(step, tmp_path):
-    goal = Goal(bounds=(Bound("violations", 0.0),))
+    objective = Objective(bounds=(Bound("violations", 0.0),))
     p, d = GAINS
     ranges = {p: (110.0, 125.0), d: (10.0, GAINS[d])}  # d begins at its largest value
     with Results.create(tmp_path / "in.sqlite", "tune", step.setup, {}) as results:
         tune(
-            *(step.with_parameters(GAINS), GAINS, goal, Search(20), results),
+            *(step.with_parameters(GAINS), GAINS, objective, Search(20), results),
             InThisProcess(),
             ranges=ranges,
         )

@@ -6,13 +6,13 @@ import pytest
 from station.trials.analysis import (
     compare,
     gains_of,
-    goal_as_plan,
-    goal_of,
+    objective_as_plan,
+    objective_of,
     ranked,
     summary,
 )
 from station.trials.errors import ExperimentError, UnknownParameterError
-from station.trials.goal import Bound, Goal
+from station.trials.objective import Bound, Objective
 from station.trials.parameters import gains_under, sort_out
 from station.trials.results import Results
 from tests.trials.conftest import fill
@@ -28,13 +28,15 @@ def test_best_comes_first_and_failed_trials_not_at_all(results):
 
 
 def test_goal_of_a_search_decides_which_trial_is_best(tmp_path, step):
-    goal = Goal({"rms_error": 1.0}, (Bound("effort_rms", 1.5, is_relative=True),))
+    objective = Objective(
+        {"rms_error": 1.0}, (Bound("effort_rms", 1.5, is_relative=True),)
+    )
     first = step.with_parameters({"load": 0.0}).hash
-    plan = {"first": first, "goal": goal_as_plan(goal)}
+    plan = {"first": first, "goal": objective_as_plan(objective)}
 
     with fill(tmp_path / "t.sqlite", step, [3.0, 1.0, 2.5], "tune", plan) as results:
         # An error of 1 takes three times the effort, which is out of bounds.
-        assert goal_of(results) == goal
+        assert objective_of(results) == objective
         assert [r.result.metrics["rms_error"] for r in ranked(results)] == [
             2.5,
             3.0,

@@ -9,7 +9,7 @@ from station.core.franka import ArmSimulation, CollisionBehavior, Frame, RobotMo
 from station.core.franka.franka_errors import error_names
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.arm.robot_arm import (
     MOST_LOST_PACKETS,
     ControllerMode,
@@ -49,7 +49,7 @@ SETTERS = {
     "set_cartesian_impedance": [500.0] * 3 + [50.0] * 3,
     "set_end_effector_frame": END_EFFECTOR_FRAME,
     "set_stiffness_frame": [*IDENTITY[:14], 0.2, 1.0],
-    "set_load": Load(0.5, (0.0, 0.0, 0.1), (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01)),
+    "set_load": RigidBody(0.5, (0.0, 0.0, 0.1), (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01)),
     "set_collision_behavior": DEFAULT_COLLISION_BEHAVIOR,
 }
 

@@ -21,7 +21,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketExce
 from station.ui.gateway.forwarded_routes import may_ask, may_forward, may_stream
 from station.ui.link.socket_ends import close_socket, send_frame, until_first
 from station.ui.sessions.session_access import SessionAccess
-from station.ui.sessions.sessions import RefusedError, Session
+from station.ui.sessions.sessions import BrowserSession, RefusedError
 from station.wire.protocol import PREFIX, UPLOAD_PATH
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class ApiRelay:
         """Close the connections."""
         await self._http.aclose()
 
-    async def forward(self, request: "Request", session: Session) -> Response:
+    async def forward(self, request: "Request", session: BrowserSession) -> Response:
         """Return the station's answer to a page's request.
 
         Args:
@@ -117,7 +117,7 @@ class ApiRelay:
                 detail += ". It is not known whether it was done"
             _refuse_unreachable(detail, error)
         # The station's clock, to which the deadlines of later requests refer.
-        self._access.promptness.hear(answer.headers)
+        self._access.deadline.hear(answer.headers)
         headers = {
             name: answer.headers[name]
             for name in _ANSWER_HEADERS
@@ -125,7 +125,7 @@ class ApiRelay:
         }
         return StreamingResponse(_body(answer), answer.status_code, headers)
 
-    def _headers(self, request: "Request", session: Session) -> dict[str, str]:
+    def _headers(self, request: "Request", session: BrowserSession) -> dict[str, str]:
         kept = {
             name: request.headers[name]
             for name in _REQUEST_HEADERS
@@ -134,7 +134,7 @@ class ApiRelay:
         path = request.url.path.removeprefix(PREFIX)
         is_end = request.method == "DELETE" and _ENDS_MOTION.fullmatch(path)
         if request.method != "GET" and not is_end:
-            kept |= self._access.promptness.headers()
+            kept |= self._access.deadline.headers()
         # The station is on this machine: compressing would cost both of them time.
         own = {"accept-encoding": "identity"}
         return {**kept, **own, **self._access.headers_of(session)}
@@ -142,7 +142,7 @@ class ApiRelay:
     async def socket(
         self,
         browser: WebSocket,
-        session: Session,
+        session: BrowserSession,
         wait_for_end: Callable[[], Awaitable[None]],
     ) -> None:
         """Pass a stream's frames to a browser until either closes or the session ends.

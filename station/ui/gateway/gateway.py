@@ -29,9 +29,9 @@ from station.ui.gateway.guard import GatewayGuard, session_cookie
 from station.ui.page.view_routes import ShownViews, ViewRoutes
 from station.ui.page.workspace_routes import WorkspaceParts, WorkspaceRoutes
 from station.ui.sessions.sessions import (
+    BrowserSession,
     RefusedError,
     Role,
-    Session,
     SessionRoutes,
     Sessions,
 )
@@ -66,7 +66,7 @@ _REASON = "stop button of the dashboard"
 class Release(Protocol):
     """Releases a stop."""
 
-    def __call__(self, session: Session, *, arm: bool) -> "Awaitable[StopState]":
+    def __call__(self, session: BrowserSession, *, arm: bool) -> "Awaitable[StopState]":
         """Release a stop for a session; with `arm`, allow motion, the second step."""
         ...
 
@@ -138,7 +138,7 @@ class _Gateway:
     def __init__(self, parts: GatewayParts) -> None:
         self._parts = parts
 
-    def find_session(self, connection: "Request | WebSocket") -> Session | None:
+    def find_session(self, connection: "Request | WebSocket") -> BrowserSession | None:
         """Return the session of a connection, or None."""
         cookie = connection.cookies.get(session_cookie(connection.scope))
         return self._parts.sessions.find(cookie)
@@ -190,24 +190,24 @@ class _Gateway:
         answer.delete_cookie(name, httponly=True, samesite="strict")
         return answer
 
-    async def session(self, session: Session, _request: "Request") -> Response:
+    async def session(self, session: BrowserSession, _request: "Request") -> Response:
         return JSONResponse({"role": session.role.value})
 
-    async def state(self, session: Session, _request: "Request") -> Response:
+    async def state(self, session: BrowserSession, _request: "Request") -> Response:
         return JSONResponse({**asdict(self._parts.bar()), "role": session.role.value})
 
-    async def stop(self, _session: Session, _request: "Request") -> Response:
+    async def stop(self, _session: BrowserSession, _request: "Request") -> Response:
         return _stop_answer(await self._parts.stop())
 
-    async def release(self, session: Session, _request: "Request") -> Response:
+    async def release(self, session: BrowserSession, _request: "Request") -> Response:
         self._refuse_if_lost()
         return _stop_answer(await self._parts.release(session, arm=False))
 
-    async def arm(self, session: Session, _request: "Request") -> Response:
+    async def arm(self, session: BrowserSession, _request: "Request") -> Response:
         self._refuse_if_lost()
         return _stop_answer(await self._parts.release(session, arm=True))
 
-    async def api(self, session: Session, request: "Request") -> Response:
+    async def api(self, session: BrowserSession, request: "Request") -> Response:
         # A stop is always tried: the station may answer although its streams do not.
         if request.url.path != _STOP:
             self._refuse_if_lost()

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.routing import BaseRoute
 
-    from station.ui.sessions.sessions import Session
+    from station.ui.sessions.sessions import BrowserSession
 
 _MOST_JOINTS = 128
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -142,7 +142,9 @@ class ViewRoutes:
             make.route_of("POST", "/ui/opened", OpenedRequest, self._opened),
         ]
 
-    async def _show_ghost(self, session: "Session", wanted: GhostRequest) -> Response:
+    async def _show_ghost(
+        self, session: "BrowserSession", wanted: GhostRequest
+    ) -> Response:
         known = self._views.joint_names()
         unknown = sorted(wanted.positions.keys() - known)
         if unknown:
@@ -155,11 +157,15 @@ class ViewRoutes:
         self._in_viser(partial(self._views.show_ghost, session.key, ghost))
         return JSONResponse({"shown": True})
 
-    async def _hide_ghost(self, session: "Session", _request: "Request") -> Response:
+    async def _hide_ghost(
+        self, session: "BrowserSession", _request: "Request"
+    ) -> Response:
         self._in_viser(partial(self._views.show_ghost, session.key, None))
         return JSONResponse({"shown": False})
 
-    async def _layers(self, session: "Session", wanted: LayersRequest) -> Response:
+    async def _layers(
+        self, session: "BrowserSession", wanted: LayersRequest
+    ) -> Response:
         known = (*LAYERS, PUSH)
         unknown = sorted(set(wanted.shown).difference(known))
         if unknown:
@@ -168,19 +174,23 @@ class ViewRoutes:
         self._in_viser(partial(self._views.choose, session.key, wanted.shown))
         return JSONResponse({"shown": wanted.shown})
 
-    async def _grip(self, session: "Session", wanted: ObjectRequest) -> Response:
+    async def _grip(self, session: "BrowserSession", wanted: ObjectRequest) -> Response:
         self._in_viser(partial(self._views.grip, session.key, wanted.name))
         return JSONResponse({"name": wanted.name})
 
-    async def _scheme(self, session: "Session", wanted: SchemeRequest) -> Response:
+    async def _scheme(
+        self, session: "BrowserSession", wanted: SchemeRequest
+    ) -> Response:
         self._in_viser(partial(self._views.paint, session.key, is_dark=wanted.dark))
         return JSONResponse({"dark": wanted.dark})
 
-    async def _alive(self, session: "Session", _request: "Request") -> Response:
+    async def _alive(self, session: "BrowserSession", _request: "Request") -> Response:
         self._in_viser(partial(self._views.alive, session.key))
         return JSONResponse({})
 
-    async def _camera(self, session: "Session", wanted: CameraRequest) -> Response:
+    async def _camera(
+        self, session: "BrowserSession", wanted: CameraRequest
+    ) -> Response:
         if wanted.preset not in PRESETS:
             detail = f"preset: there is no '{wanted.preset}'; {_among(PRESETS)}."
             raise RefusedError(422, "unknown_preset", detail)
@@ -188,7 +198,9 @@ class ViewRoutes:
         self._in_viser(partial(self._views.look, session.key, preset, covered))
         return JSONResponse({"preset": preset})
 
-    async def _opened(self, session: "Session", wanted: OpenedRequest) -> Response:
+    async def _opened(
+        self, session: "BrowserSession", wanted: OpenedRequest
+    ) -> Response:
         self._in_viser(partial(self._views.opened, session.key, wanted.covered))
         return JSONResponse({"covered": wanted.covered})
 

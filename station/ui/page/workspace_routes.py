@@ -26,10 +26,10 @@ from station.ui.page.page_state import page_state
 from station.ui.sessions.session_access import SessionAccess
 from station.ui.sessions.sessions import (
     Body,
+    BrowserSession,
     FindSession,
     RefusedError,
     Role,
-    Session,
     SessionRoutes,
     Sessions,
 )
@@ -111,14 +111,14 @@ class WorkspaceRoutes:
             *self._control.routes(),
         ]
 
-    async def _state(self, _session: Session, _request: "Request") -> Response:
+    async def _state(self, _session: BrowserSession, _request: "Request") -> Response:
         drawing = {
             "triangles": self._parts.triangles,
             "not_drawn": self._parts.not_drawn,
         }
         return JSONResponse({**page_state(self._parts.view()), **drawing})
 
-    async def _example(self, _session: Session, request: "Request") -> Response:
+    async def _example(self, _session: BrowserSession, request: "Request") -> Response:
         """Answer a free name, and parameters with which a type loads on this robot."""
         kind = request.query_params.get("type", "")
         view = self._parts.view()
@@ -130,7 +130,9 @@ class WorkspaceRoutes:
             "params": parse_yaml(text, "Example", FORM).values,
         })
 
-    async def _read_yaml(self, _session: Session, request: "Request") -> Response:
+    async def _read_yaml(
+        self, _session: BrowserSession, request: "Request"
+    ) -> Response:
         """Answer the parameters that a text in YAML means.
 
         Raises:
@@ -149,7 +151,9 @@ class WorkspaceRoutes:
             detail = "A number is infinite or none; JSON has finite numbers alone."
             raise RefusedError(422, "invalid_yaml", detail) from error
 
-    async def _write_yaml(self, _session: Session, request: "Request") -> Response:
+    async def _write_yaml(
+        self, _session: BrowserSession, request: "Request"
+    ) -> Response:
         """Answer parameters, the JSON under `params`, as a text in YAML.
 
         Raises:
@@ -245,7 +249,7 @@ class ControlRoutes:
             make.route("DELETE", path, self._release, operators_only=True),
         ]
 
-    async def keep(self, session: "Session") -> None:
+    async def keep(self, session: "BrowserSession") -> None:
         """Send heartbeats while the session holds control; runs until cancelled.
 
         Call it while a page of the session is open.
@@ -254,7 +258,7 @@ class ControlRoutes:
             await asyncio.sleep(BEAT_PERIOD)
             await self.beat(session)
 
-    async def beat(self, session: "Session") -> None:
+    async def beat(self, session: "BrowserSession") -> None:
         """Send one heartbeat if the session holds control; note when it is lost."""
         key = self._access.lease_of(session)
         if key is None:
@@ -266,27 +270,29 @@ class ControlRoutes:
         except ApiError:
             self._access.lose(key)
 
-    async def _show(self, session: "Session", _request: "Request") -> Response:
+    async def _show(self, session: "BrowserSession", _request: "Request") -> Response:
         return await self._answer(session, lambda client: client.lease.state())
 
-    async def _take(self, session: "Session", wanted: _Taking) -> Response:
+    async def _take(self, session: "BrowserSession", wanted: _Taking) -> Response:
         owner, force = wanted.owner or None, wanted.force
         return await self._answer(
             session, lambda client: client.lease.take(owner, ttl=TTL, force=force)
         )
 
-    async def _offer(self, session: "Session", wanted: _Offer) -> Response:
+    async def _offer(self, session: "BrowserSession", wanted: _Offer) -> Response:
         to = wanted.hand_over_to
         return await self._answer(
             session, lambda client: client.lease.renew(hand_over_to=to)
         )
 
-    async def _release(self, session: "Session", _request: "Request") -> Response:
+    async def _release(
+        self, session: "BrowserSession", _request: "Request"
+    ) -> Response:
         return await self._answer(session, lambda client: client.lease.release())
 
     async def _answer(
         self,
-        session: "Session",
+        session: "BrowserSession",
         ask: "Callable[[AsyncStationClient], Awaitable[ControlState]]",
     ) -> Response:
         state = await self._ask(session, ask)
@@ -295,7 +301,7 @@ class ControlRoutes:
 
     async def _ask(
         self,
-        session: "Session",
+        session: "BrowserSession",
         ask: "Callable[[AsyncStationClient], Awaitable[ControlState]]",
     ) -> "ControlState":
         key, asked_at = self._access.lease_of(session), self._now()

@@ -10,9 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from station.client import ApiError, AsyncStationClient
-from station.client.connection import Promptness
+from station.client.connection import RequestDeadline
 from station.ui.link.station_access import StationAccess
-from station.ui.sessions.sessions import Role, Session, Sessions
+from station.ui.sessions.sessions import BrowserSession, Role, Sessions
 from station.wire import ControlState, ExternalForce
 from station.wire.protocol import LEASE_HEADER
 
@@ -24,7 +24,7 @@ _NO_TOKEN = "nobodys-token"
 
 @dataclass(frozen=True, slots=True)
 class _Lease:
-    session: Session
+    session: BrowserSession
     key: str
     deadline: float
 
@@ -47,7 +47,7 @@ class SessionAccess:
             on this machine, or of the system.
 
     Attributes:
-        promptness: Lets the station refuse a change that a person asked for long ago.
+        deadline: Lets the station refuse a change that a person asked for long ago.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class SessionAccess:
         follows: bool = False,
         ca: str | None = None,
     ) -> None:
-        self.promptness = Promptness(BEGIN_WITHIN)
+        self.deadline = RequestDeadline(BEGIN_WITHIN)
         self._ca = ca
         self._station = station
         self._follows = follows
@@ -119,7 +119,7 @@ class SessionAccess:
         made = {self._station.token, self._station.viewer_token} - {""}
         return "" if token in made else token
 
-    def token_of(self, session: Session) -> str | None:
+    def token_of(self, session: BrowserSession) -> str | None:
         """Return the token that a session's requests carry; None while there is none.
 
         The token has the role of the session: a viewer is a viewer at the station,
@@ -134,26 +134,26 @@ class SessionAccess:
             return self._station.token
         return self._station.viewer_token or _NO_TOKEN
 
-    def is_withdrawn(self, session: Session, token: str | None) -> bool:
+    def is_withdrawn(self, session: BrowserSession, token: str | None) -> bool:
         """Return whether a session is over because the station refuses its token.
 
         A station that was started anew refuses the tokens that its predecessor made.
         This ends no session, because the dashboard soon gets the new tokens.
 
         Args:
-            session: Session whose request was refused.
+            session: BrowserSession whose request was refused.
             token: The token of the request.
         """
         if token is None or token != self.token_of(session):
             return False
         return bool(session.token) or not self._follows
 
-    def lease_of(self, session: Session) -> str | None:
+    def lease_of(self, session: BrowserSession) -> str | None:
         """Return the lease that a session acts under; None without one."""
         lease = self._present()
         return lease.key if lease is not None and lease.session is session else None
 
-    def headers_of(self, session: Session) -> dict[str, str]:
+    def headers_of(self, session: BrowserSession) -> dict[str, str]:
         """Return the headers that prove the caller and its lease to the station.
 
         Args:
@@ -164,16 +164,16 @@ class SessionAccess:
         lease = self.lease_of(session)
         return headers if lease is None else {**headers, LEASE_HEADER: lease}
 
-    def client_of(self, session: Session) -> AsyncStationClient:
+    def client_of(self, session: BrowserSession) -> AsyncStationClient:
         """Return a client that acts for a session; the caller closes it."""
         client = AsyncStationClient(
             self.url, _NO_TOKEN, timeout=_REQUEST_TIMEOUT, ca=self._ca
         )
-        client.begin_within(self.promptness)
+        client.begin_within(self.deadline)
         self.renew(client, session)
         return client
 
-    def acting_for(self, session: Session) -> AsyncStationClient:
+    def acting_for(self, session: BrowserSession) -> AsyncStationClient:
         """Return a client, shared by all, that acts for a session in its next request.
 
         Use it for requests that pages send every second, because opening a client takes
@@ -188,7 +188,7 @@ class SessionAccess:
         self.renew(self._shared, session)
         return self._shared
 
-    def renew(self, client: AsyncStationClient, session: Session) -> str | None:
+    def renew(self, client: AsyncStationClient, session: BrowserSession) -> str | None:
         """Let a client of `client_of` act with the present credentials of its session.
 
         Args:
@@ -203,7 +203,7 @@ class SessionAccess:
         client.lease.act_under(lease)
         return lease
 
-    def role_at_viser(self, session: Session) -> Role:
+    def role_at_viser(self, session: BrowserSession) -> Role:
         """Return the role of a session at Viser's panel, which all browsers share.
 
         The panel acts under the lease of the session that holds control. All other
@@ -214,7 +214,11 @@ class SessionAccess:
         return Role.VIEWER if is_others else session.role
 
     def note(
-        self, session: Session, state: ControlState, key: str | None, asked_at: float
+        self,
+        session: BrowserSession,
+        state: ControlState,
+        key: str | None,
+        asked_at: float,
     ) -> None:
         """Note the station's answer to a session about control.
 

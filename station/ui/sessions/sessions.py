@@ -37,7 +37,7 @@ class Role(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Session:
+class BrowserSession:
     """One logged-in browser.
 
     Attributes:
@@ -64,7 +64,7 @@ class KeptSession:
     Attributes:
         identifier: Random value of its cookie.
         role: Its role.
-        token: As `Session.token`.
+        token: As `BrowserSession.token`.
         used_at: When it was used last, in the time of `Sessions`.
     """
 
@@ -113,14 +113,14 @@ class Sessions:
         self._limit = limit
         self._store = store
         self._saved_at = now()
-        self._sessions: dict[str, tuple[Session, float]] = {}
+        self._sessions: dict[str, tuple[BrowserSession, float]] = {}
         for kept in () if store is None else store.load():
-            session = Session(kept.identifier, kept.role, kept.token)
+            session = BrowserSession(kept.identifier, kept.role, kept.token)
             # A clock that was set back must not let a session live longer.
             self._sessions[kept.identifier] = (session, min(kept.used_at, now()))
         self._forget_expired()
 
-    def open(self, role: Role, token: str = "") -> Session:
+    def open(self, role: Role, token: str = "") -> BrowserSession:
         """Start a session and return it.
 
         Args:
@@ -134,12 +134,12 @@ class Sessions:
         alike = [one for one, _ in self._sessions.values() if one.role is role]
         for session in alike[: max(0, len(alike) + 1 - self._limit)]:
             self.close(session.identifier)
-        session = Session(secrets.token_urlsafe(32), role, token)
+        session = BrowserSession(secrets.token_urlsafe(32), role, token)
         self._sessions[session.identifier] = (session, self._now())
         self._save()
         return session
 
-    def find(self, identifier: str | None) -> Session | None:
+    def find(self, identifier: str | None) -> BrowserSession | None:
         """Return the session behind a cookie and renew it, or None."""
         self._forget_expired()
         entry = self._sessions.pop(identifier or "", None)
@@ -152,11 +152,11 @@ class Sessions:
             self._save()
         return session
 
-    def named(self, key: str) -> Session | None:
+    def named(self, key: str) -> BrowserSession | None:
         """Return the session of that key, without renewing it; callable by any thread.
 
         Args:
-            key: `Session.key`.
+            key: `BrowserSession.key`.
         """
         # A copy, because the gateway's thread changes the table meanwhile.
         for session, _ in list(self._sessions.values()):
@@ -185,7 +185,7 @@ class Sessions:
                 for session, used_at in self._sessions.values()
             ])
 
-    async def wait_for_end(self, session: Session) -> None:
+    async def wait_for_end(self, session: BrowserSession) -> None:
         """Wait until a session is closed or has expired; does not renew it."""
         while not session.closed.is_set():
             self._forget_expired()
@@ -241,7 +241,7 @@ _Wanted = TypeVar("_Wanted", bound=Body)
 class FindSession(Protocol):
     """Finds the session of a connection."""
 
-    def __call__(self, connection: "Request | WebSocket") -> Session | None:
+    def __call__(self, connection: "Request | WebSocket") -> BrowserSession | None:
         """Return the session of a connection, or None."""
         ...
 
@@ -260,7 +260,7 @@ class SessionRoutes:
         self,
         method: str,
         path: str,
-        answer: "Callable[[Session, Request], Awaitable[Response]]",
+        answer: "Callable[[BrowserSession, Request], Awaitable[Response]]",
         *,
         operators_only: bool = False,
     ) -> Route:
@@ -296,7 +296,7 @@ class SessionRoutes:
         method: str,
         path: str,
         kind: type[_Wanted],
-        answer: Callable[[Session, _Wanted], Awaitable[Response]],
+        answer: Callable[[BrowserSession, _Wanted], Awaitable[Response]],
         *,
         operators_only: bool = False,
     ) -> Route:
@@ -310,7 +310,9 @@ class SessionRoutes:
             operators_only: Whether viewers are refused.
         """
 
-        async def read_and_answer(session: Session, request: "Request") -> Response:
+        async def read_and_answer(
+            session: BrowserSession, request: "Request"
+        ) -> Response:
             try:
                 wanted = kind.model_validate_json(await request.body())
             except ValidationError as error:

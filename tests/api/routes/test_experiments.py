@@ -9,9 +9,9 @@ import pytest
 
 from station.api.app import Kept, create_app
 from station.client import ApiError
-from station.trials.analysis import goal_as_plan
+from station.trials.analysis import objective_as_plan
 from station.trials.background_experiments import BackgroundExperiments
-from station.trials.goal import Goal
+from station.trials.objective import Objective
 from station.trials.results import Results, file_of
 from station.trials.trace import Trace
 from station.trials.trial import Script, Setup, Trial, TrialResult
@@ -54,7 +54,7 @@ def searched():
     better = first.with_parameters({"gains/spring/k": 5.0})
     plan = {
         "first": first.hash,
-        "goal": goal_as_plan(Goal({"rms_error": 1.0}, ())),
+        "goal": objective_as_plan(Objective({"rms_error": 1.0}, ())),
         "controller": "spring",
     }
     shape = np.zeros((1000, 1))

@@ -20,7 +20,7 @@ from station.core.franka import (
 from station.core.franka.franka_errors import ERROR_INDEX
 from station.core.numerics.poses import displace
 from station.hw.franka.arm.franka_kinematics import compose
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.arm.robot_arm import (
     MOST_LOST_PACKETS,
     ControllerMode,
@@ -238,7 +238,7 @@ class ScriptedArm(RobotArm):
         self.state.EE_T_K = frame
 
     @override
-    def set_load(self, load: Load) -> None:
+    def set_load(self, load: RigidBody) -> None:
         self._refuse_while_moving()
         self.state.m_load = load.mass
         self.state.m_total = self.state.m_ee + load.mass

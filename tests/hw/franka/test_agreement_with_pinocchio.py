@@ -15,7 +15,7 @@ import pytest
 from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.franka.franka_model import Frame
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
-from station.hw.franka.arm.load import Load, combine_loads
+from station.hw.franka.arm.rigid_body import RigidBody, combine_bodies
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.end_effector import end_effector_of
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
@@ -35,7 +35,7 @@ class Case:
     q: np.ndarray
     dq: np.ndarray
     ddq: np.ndarray
-    load: Load
+    load: RigidBody
     F_T_EE: pin.SE3
     EE_T_K: pin.SE3
     gravity: list[float]
@@ -78,7 +78,7 @@ def cases() -> list[Case]:
             generator.uniform(limits.lower, limits.upper),
             generator.uniform(-1.0, 1.0, 7) * limits.velocity,
             generator.uniform(-1.0, 1.0, 7) * limits.acceleration,
-            random_load(generator) if number % 10 else Load(),
+            random_load(generator) if number % 10 else RigidBody(),
             random_pose(generator),
             random_pose(generator),
             [*GRAVITIES, generator.uniform(-10.0, 10.0, 3).tolist()][number % 5],
@@ -93,7 +93,7 @@ def random_pose(generator: np.random.Generator) -> pin.SE3:
     return pin.SE3(pin.Quaternion(w, x, y, z).matrix(), generator.uniform(-0.3, 0.3, 3))
 
 
-def random_load(generator: np.random.Generator) -> Load:
+def random_load(generator: np.random.Generator) -> RigidBody:
     """Return a body of a few points, so that its inertia is a possible one."""
     masses = generator.uniform(0.05, 0.8, 5)
     points = generator.uniform(-0.2, 0.2, (5, 3))
@@ -102,10 +102,10 @@ def random_load(generator: np.random.Generator) -> Load:
         mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
         for mass, offset in zip(masses, points - center, strict=True)
     )
-    return Load(float(masses.sum()), tuple(center), tuple(inertia.ravel()))
+    return RigidBody(float(masses.sum()), tuple(center), tuple(inertia.ravel()))
 
 
-def loaded(arm: pin.Model, load: Load) -> pin.Model:
+def loaded(arm: pin.Model, load: RigidBody) -> pin.Model:
     """Return a copy of Pinocchio's arm with a body fixed to its flange."""
     result = pin.Model(arm)
     flange = result.frames[result.getFrameId("panda_link8")]
@@ -226,7 +226,7 @@ def test_arm_with_its_hand_is_the_arm_with_that_load(
     hand = end_effector_of(load_urdf(description), "panda_", width)
     for case in cases:
         theirs = loaded(with_hand, case.load)
-        both = replace(case, load=combine_loads(hand, case.load))
+        both = replace(case, load=combine_bodies(hand, case.load))
         expected = pin.crba(theirs, theirs.createData(), case.q)
         expected = np.triu(expected) + np.triu(expected, 1).T
         ours = model.mass(case.q.tolist(), *explicit(both))

@@ -17,7 +17,7 @@ from station.local.tls import trust
 from station.ui.gateway.api_relay import ApiRelay
 from station.ui.link.station_access import StationAccess
 from station.ui.sessions.session_access import BEGIN_WITHIN, SessionAccess
-from station.ui.sessions.sessions import Role, Session, SessionRoutes
+from station.ui.sessions.sessions import BrowserSession, Role, SessionRoutes
 from tests.api.spring import make_station
 from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER, FakeStation
@@ -36,7 +36,7 @@ class _Page:
         self.url = url
         self.access = SessionAccess(_station(url))
         self.relay = ApiRelay(self.access, tls)
-        self.session = Session("cookie", Role.OPERATOR, OPERATOR)
+        self.session = BrowserSession("cookie", Role.OPERATOR, OPERATOR)
         self.logged_out = asyncio.Event()
 
     async def forward(self, session, request):
@@ -84,7 +84,7 @@ def served():
 
 @pytest.fixture(autouse=True)
 def page(served):
-    served[1].session = Session("cookie", Role.OPERATOR, OPERATOR)
+    served[1].session = BrowserSession("cookie", Role.OPERATOR, OPERATOR)
     return served[1]
 
 
@@ -108,14 +108,14 @@ def test_requests_reach_the_station_with_body_and_answer(browser, served):
 
 
 def test_a_refusal_of_the_station_keeps_its_words(browser, page):
-    page.session = Session("cookie", Role.OPERATOR, "a token of nobody")
+    page.session = BrowserSession("cookie", Role.OPERATOR, "a token of nobody")
     answer = browser.get("/status")
     assert answer.status_code == 401
     assert answer.json()["detail"] == "The token is wrong."
 
 
 def test_the_browser_cannot_choose_another_token(browser, page):
-    page.session = Session("cookie", Role.OPERATOR, "a token of nobody")
+    page.session = BrowserSession("cookie", Role.OPERATOR, "a token of nobody")
     headers = {"Authorization": f"Bearer {OPERATOR}"}
     assert browser.get("/status", headers=headers).status_code == 401
 
@@ -127,7 +127,7 @@ def test_routes_off_the_list_are_not_forwarded(browser, served):
 
 
 def test_viewers_change_nothing(browser, page, served):
-    page.session = Session("cookie", Role.VIEWER, VIEWER)
+    page.session = BrowserSession("cookie", Role.VIEWER, VIEWER)
     before = len(served[0].requests)
     assert browser.post("/controllers/switch", json={}).status_code == 403
     assert len(served[0].requests) == before

@@ -10,7 +10,7 @@ from station.client import ApiError, StationUnreachableError
 from station.ui.link.station_access import StationAccess
 from station.ui.page.workspace_routes import ControlRoutes
 from station.ui.sessions.session_access import SessionAccess
-from station.ui.sessions.sessions import Role, Session
+from station.ui.sessions.sessions import BrowserSession, Role
 from station.wire import ControlState
 from tests.ui.served import Served
 
@@ -72,7 +72,7 @@ class _Access(SessionAccess):
 class _Bench:
     def __init__(self):
         self.access = _Access()
-        self.session = Session("a", Role.OPERATOR)
+        self.session = BrowserSession("a", Role.OPERATOR)
         self.control = ControlRoutes(self.access, lambda _: self.session)
 
     def lease(self):
@@ -127,7 +127,7 @@ def test_a_refusal_keeps_the_stations_words(browser, bench):
 
 @pytest.mark.parametrize("method", ["POST", "PATCH", "DELETE"])
 def test_viewers_look_and_take_nothing(browser, bench, method):
-    bench.session = Session("v", Role.VIEWER)
+    bench.session = BrowserSession("v", Role.VIEWER)
     body = {"PATCH": {"hand_over_to": "x"}}.get(method, {})
     assert browser.request(method, PATH, json=body).status_code == 403
     assert bench.access.client.asked == []

@@ -4,14 +4,14 @@ import pytest
 
 from station.ui.link.station_access import StationAccess
 from station.ui.sessions.session_access import SessionAccess
-from station.ui.sessions.sessions import Role, Session
+from station.ui.sessions.sessions import BrowserSession, Role
 from station.wire import ControlState
 
 FIRST = StationAccess("http://one", "operator 1", "", "viewer 1")
 NEXT = StationAccess("http://two", "operator 2", "", "viewer 2")
-ADA = Session("a", Role.OPERATOR)
-BOB = Session("b", Role.OPERATOR)
-GUEST = Session("g", Role.VIEWER)
+ADA = BrowserSession("a", Role.OPERATOR)
+BOB = BrowserSession("b", Role.OPERATOR)
+GUEST = BrowserSession("g", Role.VIEWER)
 MINE = ControlState(owner="ada", mine=True, lease="key", ttl=10.0, expires_in=10.0)
 
 
@@ -48,13 +48,13 @@ def test_a_session_has_its_roles_token_at_every_station(access, session, word):
 def test_a_named_token_is_kept_and_a_token_of_the_start_is_not(access):
     assert access.own_token("operator 1") == ""
     assert access.own_token("viewer 1") == ""
-    named = Session("n", Role.VIEWER, access.own_token("ada's"))
+    named = BrowserSession("n", Role.VIEWER, access.own_token("ada's"))
     access.move_to(NEXT)
     assert access.token_of(named) == "ada's"
 
 
 def test_nobody_gets_a_token_of_a_station_that_has_ended(access, leases):
-    named = Session("n", Role.OPERATOR, "ada's")
+    named = BrowserSession("n", Role.OPERATOR, "ada's")
     access.note(ADA, MINE, None, 100.0)
     access.move_to(None)
     assert access.is_lost
@@ -71,8 +71,8 @@ def test_nobody_gets_a_token_of_a_station_that_has_ended(access, leases):
     [
         (True, ADA, "operator 1", False),  # The station's next start tells others.
         (False, ADA, "operator 1", True),  # Nobody will tell.
-        (True, Session("n", Role.OPERATOR, "ada's"), "ada's", True),
-        (True, Session("n", Role.OPERATOR, "ada's"), None, False),
+        (True, BrowserSession("n", Role.OPERATOR, "ada's"), "ada's", True),
+        (True, BrowserSession("n", Role.OPERATOR, "ada's"), None, False),
         (False, ADA, "operator 0", False),  # It has been replaced meanwhile.
     ],
 )

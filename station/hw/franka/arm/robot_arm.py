@@ -18,8 +18,8 @@ from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmSimulation, CollisionBehavior
 from station.core.franka.model_sources import ModelSource
 from station.core.geometry.guard import Guard
-from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.receiver import Receiver
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.memory.doubles import Doubles, Storage
 from station.reports import ArmRecord
 
@@ -308,7 +308,7 @@ class RobotArm(ABC):
         """
 
     @abstractmethod
-    def set_load(self, load: Load) -> None:
+    def set_load(self, load: RigidBody) -> None:
         """Set the load that the end effector holds; the arm carries its weight.
 
         Args:

@@ -19,7 +19,7 @@ from station.hw.franka.arm.collision_behavior import (
     near_collisions,
 )
 from station.hw.franka.arm.control_mode import ControlMode
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.arm.robot_arm import ControllerMode, RobotArm
 from station.hw.franka.arm.service_limits import (
     JOINT_STIFFNESS,
@@ -164,7 +164,7 @@ class ArmServices(FrankaServices):
                     list(load_inertia),
                 ),
             )
-        load = Load(mass, tuple(F_x_center_load), tuple(load_inertia))
+        load = RigidBody(mass, tuple(F_x_center_load), tuple(load_inertia))
         self._arm.set_load(load)
 
     @override

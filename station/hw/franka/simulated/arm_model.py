@@ -10,7 +10,7 @@ from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.model_sources import ModelSource
 from station.core.numerics.arm_chain import turn_to_inner_axes
 from station.hw.franka.arm.franka_kinematics import place_frame, place_jacobian
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.arm.self_collision import link_distances
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.memory.doubles import Doubles, doubles, viewed
@@ -33,7 +33,7 @@ class ArmModel(FrankaModel):
         self._dynamics = FrankaDynamics(description)
         self._jacobians: dict[Frame, Doubles] = {}
         self._distances = link_distances(has_hand=True)
-        self._load = Load()
+        self._load = RigidBody()
         self._center = doubles(self._load.center_of_mass)
         self._inertia = doubles(self._load.inertia)
 
@@ -139,7 +139,7 @@ class ArmModel(FrankaModel):
 
     def _load_of(
         self, inertia: Sequence[float], mass: float, center: Sequence[float]
-    ) -> Load:
+    ) -> RigidBody:
         """Return the load; the same object as long as the numbers are the same."""
         # Two views of doubles are compared without making Python's floats. Other
         # sequences never equal a view, and are compared as a load.
@@ -148,7 +148,7 @@ class ArmModel(FrankaModel):
             or center != self._center
             or inertia != self._inertia
         ):
-            load = Load(mass, tuple(center), tuple(inertia))
+            load = RigidBody(mass, tuple(center), tuple(inertia))
             if load != self._load:
                 self._load = load
                 self._center, self._inertia = doubles(center), doubles(inertia)

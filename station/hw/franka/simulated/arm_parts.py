@@ -6,7 +6,7 @@ from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits, SupervisorLimits
 from station.hw.franka.arm.franka_kinematics import CHAIN, compose
-from station.hw.franka.arm.load import Load, combine_loads
+from station.hw.franka.arm.rigid_body import RigidBody, combine_bodies
 from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.arm_step import ArmStep, CycleLog
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
@@ -46,7 +46,7 @@ class ArmFrames:
         self.is_cartesian = False
 
     def set_end_effector(
-        self, end_effector: Load, nominal_frame: Sequence[float]
+        self, end_effector: RigidBody, nominal_frame: Sequence[float]
     ) -> None:
         """Set the end effector that is mounted at the flange.
 
@@ -60,7 +60,7 @@ class ArmFrames:
         state.I_ee = end_effector.inertia
         state.F_T_NE = nominal_frame
         self.set_frame(state.NE_T_EE)
-        self.set_load(Load())
+        self.set_load(RigidBody())
 
     def set_frame(self, frame: Sequence[float]) -> None:
         """Set the end effector in the nominal end effector frame, 16 numbers."""
@@ -73,14 +73,14 @@ class ArmFrames:
         """Set the stiffness frame in the end effector frame, 16 numbers."""
         self._state.EE_T_K = frame
 
-    def set_load(self, load: Load) -> None:
+    def set_load(self, load: RigidBody) -> None:
         """Set the load that the end effector holds."""
         state = self._state
         state.m_load = load.mass
         state.F_x_Cload = load.center_of_mass
         state.I_load = load.inertia
-        total = combine_loads(
-            Load(state.m_ee, tuple(state.F_x_Cee), tuple(state.I_ee)), load
+        total = combine_bodies(
+            RigidBody(state.m_ee, tuple(state.F_x_Cee), tuple(state.I_ee)), load
         )
         state.m_total = total.mass
         state.F_x_Ctotal = total.center_of_mass

@@ -2,14 +2,14 @@
 
 from station.core.description.urdf import Inertial, JointType, Pose, Urdf
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.mujoco.inertia import combine
 
 _FLANGE = "link8"
 _TIP = "hand_tcp"
 
 
-def end_effector_of(urdf: Urdf, prefix: str, width: float) -> Load:
+def end_effector_of(urdf: Urdf, prefix: str, width: float) -> RigidBody:
     """Return the mass properties of all links behind the flange as one body.
 
     Args:
@@ -23,11 +23,11 @@ def end_effector_of(urdf: Urdf, prefix: str, width: float) -> Load:
         if inertial is not None and inertial.mass > 0.0:
             parts.append((pose, inertial))
     if not parts:
-        return Load()
+        return RigidBody()
     whole = combine(parts)
     ixx, iyy, izz, ixy, ixz, iyz = whole.inertia
     tensor = (ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)
-    return Load(whole.mass, tuple(whole.origin.xyz), tensor)
+    return RigidBody(whole.mass, tuple(whole.origin.xyz), tensor)
 
 
 def nominal_frame_of(urdf: Urdf, prefix: str) -> tuple[float, ...]:

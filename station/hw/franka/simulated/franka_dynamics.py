@@ -26,13 +26,13 @@ from station.core.numerics.arm_chain import new_links, place_links
 from station.core.numerics.arm_dynamics import ArmDynamics
 from station.hw.franka.arm.arm_description import find_prefix
 from station.hw.franka.arm.franka_kinematics import CHAIN, DOF, FLANGE_OFFSET
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.simulated.end_effector import as_transform
 from station.hw.mujoco.inertia import combine
 from station.hw.urdf_loader import load_urdf
 from station.memory.doubles import Doubles, Storage, own, put, viewed, zeros
 
-_NO_LOAD = Load()
+_NO_LOAD = RigidBody()
 _MASS, _CORIOLIS, _GRAVITY = -1, -2, -3
 _MOMENTS = 10
 # Largest distance between a link's pose in a URDF and its real pose [m].
@@ -70,7 +70,7 @@ class FrankaDynamics:
         # By quantity, the version and arguments for which it was computed.
         self._known: dict[int, tuple[int, bytes]] = {}
 
-    def mass(self, q: Sequence[float], load: Load = _NO_LOAD) -> list[float]:
+    def mass(self, q: Sequence[float], load: RigidBody = _NO_LOAD) -> list[float]:
         """Return the mass matrix [kg m^2], 7 x 7, flat.
 
         Args:
@@ -83,7 +83,7 @@ class FrankaDynamics:
         return [*self._mass]
 
     def coriolis(
-        self, q: Sequence[float], dq: Sequence[float], load: Load = _NO_LOAD
+        self, q: Sequence[float], dq: Sequence[float], load: RigidBody = _NO_LOAD
     ) -> list[float]:
         """Return the Coriolis and centrifugal torques C(q, dq) dq [Nm], shape (7,).
 
@@ -101,7 +101,7 @@ class FrankaDynamics:
     def gravity(
         self,
         q: Sequence[float],
-        load: Load = _NO_LOAD,
+        load: RigidBody = _NO_LOAD,
         gravity_earth: Sequence[float] = GRAVITY_EARTH,
     ) -> list[float]:
         """Return the torques that hold the arm against gravity [Nm], shape (7,).
@@ -122,7 +122,7 @@ class FrankaDynamics:
         q: Sequence[float],
         dq: Sequence[float],
         ddq: Sequence[float],
-        load: Load = _NO_LOAD,
+        load: RigidBody = _NO_LOAD,
         gravity_earth: Sequence[float] = GRAVITY_EARTH,
     ) -> list[float]:
         """Return the torques of a motion, M ddq + C dq + g [Nm], shape (7,).
@@ -182,7 +182,7 @@ class FrankaDynamics:
         return ToolJacobianSource(self.tool_pose_source(q, tool))
 
     def coriolis_source(
-        self, state: RobotState, load: Callable[[], Load]
+        self, state: RobotState, load: Callable[[], RigidBody]
     ) -> ModelSource:
         """Return a source of the Coriolis torques of a state, shape (7,).
 
@@ -198,7 +198,7 @@ class FrankaDynamics:
 
         return CoriolisSource(self._dynamics, state, q, dq, center, inertia, put_load)
 
-    def _set(self, q: Sequence[float], load: Load) -> None:
+    def _set(self, q: Sequence[float], load: RigidBody) -> None:
         self._dynamics.move_to(q)
         # By identity first: `ArmModel` passes the same object while nothing changes.
         if load is not self._load and load != self._load:
@@ -226,7 +226,7 @@ class ArmLoad:
         self._dynamics = FrankaDynamics(None)
         self._gravity = tuple(gravity)
         self._ddq = [0.0] * 7
-        self.load = Load()
+        self.load = RigidBody()
 
     def note_motion(
         self, before: Sequence[float], velocities: Sequence[float], period: float
@@ -261,7 +261,7 @@ class ArmLoad:
         return self._dynamics.torques(q, dq, self._ddq, self.load, self._gravity)
 
 
-def _moments_at_link7(load: Load) -> list[float]:
+def _moments_at_link7(load: RigidBody) -> list[float]:
     """Return mass and moments of a load in the frame of link 7, 10 numbers."""
     x, y, z = load.center_of_mass
     inertia = np.reshape(load.inertia, (3, 3))

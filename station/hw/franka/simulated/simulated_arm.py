@@ -10,7 +10,7 @@ from station.core.franka.franka_model import Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmSimulation, CollisionBehavior
 from station.core.franka.model_sources import ModelSource
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
@@ -188,7 +188,9 @@ class SimulatedArm(RobotArm):
         self.frames.set_frame(frame)
         self.contact.renew()
 
-    def set_mounted(self, end_effector: Load, nominal_frame: Sequence[float]) -> None:
+    def set_mounted(
+        self, end_effector: RigidBody, nominal_frame: Sequence[float]
+    ) -> None:
         """Report another end effector in the state; the simulated bodies do not change.
 
         Args:
@@ -209,7 +211,7 @@ class SimulatedArm(RobotArm):
         self.contact.renew()
 
     @override
-    def set_load(self, load: Load) -> None:
+    def set_load(self, load: RigidBody) -> None:
         self._modes.refuse_while_moving("load")
         self.frames.set_load(load)
         self.load.load = load

@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.franka import RobotState
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.simulated.arm_parts import ArmFrames
 from station.hw.franka.simulated.cartesian_step import MAX_EXTENSION
 
@@ -25,8 +25,8 @@ def test_elbow_is_joint_three_and_the_flip_of_joint_four(q4: float, sign: float)
 def test_loads_are_composed():
     state = RobotState()
     frames = ArmFrames(state)
-    frames.set_end_effector(Load(0.73, (-0.01, 0.0, -0.03)), shifted(0.1))
-    frames.set_load(Load(0.5, (0.01, -0.2, 0.03)))
+    frames.set_end_effector(RigidBody(0.73, (-0.01, 0.0, -0.03)), shifted(0.1))
+    frames.set_load(RigidBody(0.5, (0.01, -0.2, 0.03)))
 
     assert state.m_total == pytest.approx(1.23)
     assert state.F_x_Ctotal == pytest.approx(
@@ -37,7 +37,7 @@ def test_loads_are_composed():
 def test_end_effector_frame_is_composed():
     state = RobotState()
     frames = ArmFrames(state)
-    frames.set_end_effector(Load(), shifted(0.1))
+    frames.set_end_effector(RigidBody(), shifted(0.1))
     frames.set_frame(shifted(0.05))
     assert state.F_T_EE[14] == pytest.approx(0.15)
 

@@ -5,7 +5,7 @@ import pytest
 
 from station.core.franka import Frame
 from station.hw.franka.arm.franka_kinematics import zero_jacobian
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.simulated.franka_dynamics import ArmLoad
 
 Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
@@ -14,7 +14,7 @@ Q = [0.1, -0.5, 0.2, -2.0, 0.3, 1.5, 0.4]
 @pytest.fixture
 def load() -> ArmLoad:
     arm = ArmLoad()
-    arm.load = Load(2.0)
+    arm.load = RigidBody(2.0)
     return arm
 
 

@@ -5,7 +5,7 @@ import pytest
 from station.core.description.robot_files import load_robot_files
 from station.core.franka.franka_model import Frame
 from station.hw.franka.arm.franka_kinematics import IDENTITY, zero_jacobian
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 
@@ -16,7 +16,7 @@ INERTIA = [0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017]
 def test_load_is_passed_on():
     description = load_robot_files("example-robot-data:panda")
     model, dynamics = ArmModel(description), FrankaDynamics(description)
-    load = Load(0.73, (-0.01, 0.0, 0.03), tuple(INERTIA))
+    load = RigidBody(0.73, (-0.01, 0.0, 0.03), tuple(INERTIA))
     arguments = (INERTIA, 0.73, [-0.01, 0.0, 0.03])
 
     assert model.mass(Q, *arguments) == dynamics.mass(Q, load)

@@ -6,7 +6,7 @@ import pytest
 from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf import Pose
 from station.core.franka import RobotMode
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.franka_world import (
@@ -33,7 +33,7 @@ def simulation() -> FrankaWorld:
 @pytest.fixture
 def arm(simulation: FrankaWorld) -> SimulatedArm:
     arm = simulation.arms["panda"]
-    arm.set_load(Load())
+    arm.set_load(RigidBody())
     put(simulation, INITIAL_POSITIONS)
     return arm
 
@@ -108,7 +108,7 @@ def test_estimate_agrees_with_torque_sensor_and_model(arm: SimulatedArm) -> None
 
 
 def test_load_that_is_not_there_shows(arm: SimulatedArm) -> None:
-    arm.set_load(Load(1.0))
+    arm.set_load(RigidBody(1.0))
     run(arm, 1_000)
     # The arm believes to carry 1 kg: what is missing pulls the hand upwards.
     assert arm.state.O_F_ext_hat_K[2] == pytest.approx(-9.81, rel=0.02)
@@ -117,7 +117,7 @@ def test_load_that_is_not_there_shows(arm: SimulatedArm) -> None:
 
 def test_load_that_is_held_does_not_show(arm: SimulatedArm) -> None:
     # At the hand's centre of mass, where the push acts.
-    arm.set_load(Load(1.0, (-0.01 * 0.5**0.5, -0.01 * -(0.5**0.5), 0.03)))
+    arm.set_load(RigidBody(1.0, (-0.01 * 0.5**0.5, -0.01 * -(0.5**0.5), 0.03)))
     arm.simulation().apply_force("panda_hand", [0.0, 0.0, -9.81], NONE, 5.0)
     run(arm, 2_000)
     assert arm.state.O_F_ext_hat_K[:3] == pytest.approx(NONE, abs=0.1)

@@ -10,7 +10,7 @@ from station.core.errors import RobotDescriptionError
 from station.core.franka.franka_model import Frame
 from station.core.numerics.arm_dynamics import ArmDynamics
 from station.hw.franka.arm.franka_kinematics import zero_jacobian
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.hw.urdf_loader import load_urdf
@@ -28,7 +28,7 @@ Q = [
     -1.5554459725458225,
 ]
 DQ = [0.3, -0.5, 0.7, 0.2, -0.9, 0.4, 1.1]
-HAND = Load(0.73, (-0.01, 0.0, 0.03), (0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017))
+HAND = RigidBody(0.73, (-0.01, 0.0, 0.03), (0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017))
 
 
 @pytest.fixture(scope="module")
@@ -40,18 +40,18 @@ def dynamics() -> FrankaDynamics:
 @pytest.mark.parametrize(
     ("q", "load", "expected"),
     [
-        (STRETCHED, Load(), [0, -3.43443, 0, -3.25722, 0, 1.69422, 0]),
+        (STRETCHED, RigidBody(), [0, -3.43443, 0, -3.25722, 0, 1.69422, 0]),
         (
             Q,
-            Load(),
+            RigidBody(),
             [0, -12.15617, 11.59729, 1.38335, 0.89492, 0.88627, -0.03472],
         ),
-        (START, Load(), [0, -1.77138, -0.64400, 18.57359, 0.63385, 1.69368, 0]),
+        (START, RigidBody(), [0, -1.77138, -0.64400, 18.57359, 0.63385, 1.69368, 0]),
         (START, HAND, [0, -3.91847, -0.67981, 21.90309, 0.68448, 2.27324, 0]),
     ],
 )
 def test_gravity_torques_equal_published_values(
-    dynamics: FrankaDynamics, q: list[float], load: Load, expected: list[float]
+    dynamics: FrankaDynamics, q: list[float], load: RigidBody, expected: list[float]
 ) -> None:
     assert dynamics.gravity(q, load) == pytest.approx(expected, abs=1e-5)
 
@@ -79,12 +79,12 @@ def test_links_have_the_published_masses() -> None:
 @pytest.mark.parametrize(
     ("load", "expected"),
     [
-        (Load(), [0.46118, 1.44496, 0.87893, 0.78874, 0.02785, 0.03256, 0.00491]),
+        (RigidBody(), [0.46118, 1.44496, 0.87893, 0.78874, 0.02785, 0.03256, 0.00491]),
         (HAND, [0.52854, 1.55004, 0.98210, 0.95045, 0.04334, 0.05279, 0.00668]),
     ],
 )
 def test_mass_diagonal_equals_published_values(
-    dynamics: FrankaDynamics, load: Load, expected: list[float]
+    dynamics: FrankaDynamics, load: RigidBody, expected: list[float]
 ) -> None:
     mass = np.reshape(dynamics.mass(START, load), (7, 7))
     assert np.diag(mass) == pytest.approx(expected, abs=5.1e-6)
@@ -99,7 +99,7 @@ def test_mass_is_symmetric_and_positive(dynamics: FrankaDynamics) -> None:
 def test_point_load_adds_its_mass_through_the_jacobian(
     dynamics: FrankaDynamics,
 ) -> None:
-    point = Load(2.0)
+    point = RigidBody(2.0)
     jacobian = np.reshape(zero_jacobian(Frame.FLANGE, Q), (7, 6))[:, :3]
     added = np.subtract(dynamics.mass(Q, point), dynamics.mass(Q))
     # A point of 2 kg at the flange's origin.
@@ -163,7 +163,7 @@ def test_what_is_asked_twice_is_computed_once(monkeypatch: pytest.MonkeyPatch) -
             return getattr(self._dynamics, name)
 
     monkeypatch.setattr(dynamics, "_dynamics", Counted(dynamics._dynamics))
-    for load, dq in ((Load(), DQ), (HAND, DQ), (HAND, DQ[::-1]), (HAND, DQ[::-1])):
+    for load, dq in ((RigidBody(), DQ), (HAND, DQ), (HAND, DQ[::-1]), (HAND, DQ[::-1])):
         before = dynamics.mass(Q, load), dynamics.coriolis(Q, dq, load)
         weight = dynamics.gravity(Q, load)
         before[0][0] = 0.0  # the caller's own

@@ -6,7 +6,7 @@ from station.core.description.robot_files import load_robot_files
 from station.core.errors import ArmCommandError
 from station.core.franka import RobotState
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 
@@ -15,7 +15,7 @@ SETTINGS = [
     ("set_cartesian_impedance", [100.0] * 6),
     ("set_end_effector_frame", RobotState().O_T_EE),
     ("set_stiffness_frame", RobotState().O_T_EE),
-    ("set_load", Load(1.0)),
+    ("set_load", RigidBody(1.0)),
     ("set_collision_behavior", DEFAULT_COLLISION_BEHAVIOR),
 ]
 

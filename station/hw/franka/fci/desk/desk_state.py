@@ -19,7 +19,7 @@ from station.core.description.urdf import Pose
 from station.core.errors import StationError
 from station.core.numerics.poses import quaternion_of
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.end_effector import as_transform
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
@@ -129,8 +129,8 @@ class Desk:
     def __post_init__(self) -> None:
         """Keep the end effector that the arm has."""
         state = self.arm.state
-        load = Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
-        nothing = profile_of("No End Effector", Load(), IDENTITY)
+        load = RigidBody(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
+        nothing = profile_of("No End Effector", RigidBody(), IDENTITY)
         self.profiles = {
             MOUNTED: profile_of("Mounted", load, (*state.F_T_NE,)),
             NO_END_EFFECTOR: {**nothing, "endEffector": "None"},
@@ -305,7 +305,7 @@ def _number(told: Any, lowest: float = -_LARGEST) -> float:  # noqa: ANN401 - of
     return number
 
 
-def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
+def load_of(profile: Mapping[str, Any]) -> tuple[RigidBody, tuple[float, ...]]:
     """Return mass properties and F_T_NE of a profile.
 
     Raises:
@@ -316,7 +316,7 @@ def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
             tuple(_number(profile[part][name][key]) for key in keys)
             for part, name, keys in _NUMBERS
         )
-        load = Load(_number(profile["inertial"]["mass"], 0.0), center, tensor)
+        load = RigidBody(_number(profile["inertial"]["mass"], 0.0), center, tensor)
     except (KeyError, TypeError, ValueError) as error:
         raise InvalidArgumentError(
             f"The end effector is not complete or not possible: {error}."
@@ -324,7 +324,7 @@ def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
     return load, as_transform(Pose.from_rpy((x, y, z), (roll, pitch, yaw)))
 
 
-def profile_of(name: str, load: Load, frame: tuple[float, ...]) -> Profile:
+def profile_of(name: str, load: RigidBody, frame: tuple[float, ...]) -> Profile:
     """Return a profile; see `load_of`."""
     x, y, z, w = quaternion_of(frame)
     angles = Pose(quaternion=(w, x, y, z)).rpy()

@@ -20,7 +20,7 @@ from station.core.franka.franka_errors import ArmError, error_names
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmSimulation, CollisionBehavior
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.arm.robot_arm import (
     MEASURED_REST,
     REST_VELOCITY,
@@ -330,7 +330,7 @@ class FciArm(RobotArm):
         self._set(Command.SET_EE_TO_K, {"EE_T_K": frame})
 
     @override
-    def set_load(self, load: Load) -> None:
+    def set_load(self, load: RigidBody) -> None:
         values = {
             "m_load": load.mass,
             "F_x_Cload": load.center_of_mass,

@@ -1,7 +1,7 @@
 """Read the message that an arm sends every cycle into the state of the seam."""
 
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.hw.franka.arm.load import Load, combine_loads
+from station.hw.franka.arm.rigid_body import RigidBody, combine_bodies
 from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
 from station.hw.franka.fci.wire.state_numbers import StateNumbers
 from station.memory.doubles import Doubles, put, zeros
@@ -94,9 +94,9 @@ class StateReader:
     def _read_loads(self) -> None:
         """Combine end effector and load, as libfranka does when it converts a state."""
         state = self._state
-        total = combine_loads(
-            Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,)),
-            Load(state.m_load, (*state.F_x_Cload,), (*state.I_load,)),
+        total = combine_bodies(
+            RigidBody(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,)),
+            RigidBody(state.m_load, (*state.F_x_Cload,), (*state.I_load,)),
         )
         state.m_total, state.F_x_Ctotal = total.mass, total.center_of_mass
         state.I_total = total.inertia

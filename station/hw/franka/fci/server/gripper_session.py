@@ -10,7 +10,7 @@ from typing_extensions import override
 from station.core.errors import GripperCommandError, InvalidCommandError
 from station.core.franka import GraspRequest
 from station.core.ports.goal import GoalStatus
-from station.hw.franka.fci.server.session import Session
+from station.hw.franka.fci.server.session import ClientSession
 from station.hw.franka.fci.wire.gripper_protocol import HAND, HandCommand
 from station.hw.franka.fci.wire.messages import Request
 from station.hw.franka.fci.wire.robot_protocol import Status
@@ -24,7 +24,7 @@ _ENDS = {
 }
 
 
-class GripperSession(Session[HandCommand]):
+class GripperSession(ClientSession[HandCommand]):
     """Serves one client of a hand. Control thread.
 
     Args:

@@ -36,7 +36,7 @@ from station.core.franka.franka_robot_state import RobotMode
 from station.core.franka.franka_services import CollisionBehavior
 from station.hw.franka.arm.collision_behavior import check_collision_behavior
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
@@ -53,7 +53,7 @@ from station.hw.franka.arm.service_limits import (
 )
 from station.hw.franka.arm.transform_check import check_transform
 from station.hw.franka.commands.arm_guard import slowed
-from station.hw.franka.fci.server.session import Session
+from station.hw.franka.fci.server.session import ClientSession
 from station.hw.franka.fci.wire.messages import Request
 from station.hw.franka.fci.wire.robot_protocol import (
     MERGED_INTO,
@@ -110,7 +110,7 @@ def _set_ne_to_ee(arm: RobotArm, values: Mapping[str, Any]) -> None:
 def _set_load(arm: RobotArm, values: Mapping[str, Any]) -> None:
     mass, center, inertia = values["m_load"], values["F_x_Cload"], values["I_load"]
     check_load(mass, center, inertia, _LIMITS)
-    arm.set_load(Load(mass, center, inertia))
+    arm.set_load(RigidBody(mass, center, inertia))
 
 
 def _set_filters(_arm: RobotArm, values: Mapping[str, Any]) -> None:
@@ -189,7 +189,7 @@ class ClientFeatures:
     """The versions that clients of an arm may speak, and the models that they get.
 
     Attributes:
-        protocols: The versions, the arm's own last; see `Session`.
+        protocols: The versions, the arm's own last; see `ClientSession`.
         libraries: Model libraries, by the `Architecture` and the `System` of a client.
         robot_model: The URDF of the arm; empty if there is none.
     """
@@ -216,7 +216,7 @@ _REJECTIONS = {
 }
 
 
-class RobotSession(Session[Command]):
+class RobotSession(ClientSession[Command]):
     """Serves one client of an arm. Control thread.
 
     Calls per cycle of the arm: `before_cycle`, the arm's `read_once`, `after_cycle`,

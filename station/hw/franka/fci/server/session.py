@@ -16,7 +16,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
 )
 
 
-class Session(ABC, Generic[CommandT]):
+class ClientSession(ABC, Generic[CommandT]):
     """Serves one client; each client gets a new session. Control thread.
 
     Args:

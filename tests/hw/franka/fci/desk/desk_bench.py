@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import httpx
 
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.fci.desk.desk_state import Desk
 
-HAND = Load(0.73, (-0.01, 0.0, 0.03), (0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017))
+HAND = RigidBody(0.73, (-0.01, 0.0, 0.03), (0.001, 0, 0, 0, 0.0025, 0, 0, 0, 0.0017))
 
 
 class NotingArm:

@@ -12,7 +12,7 @@ import pytest
 from station.core.description.robot_files import load_robot_files
 from station.core.franka import RobotMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.fci.desk.desk_server import (
     DeskCertificateError,
     DeskServer,
@@ -145,7 +145,7 @@ def test_closed_brakes_refuse_motions_and_end_them(served):
 def test_end_effector_shows_in_the_state_and_the_arm_carries_what_it_has(served):
     arm, before = served.arm, [*served.arm.state.q]
     frame = (*IDENTITY[:14], 0.2, 1.0)
-    load = Load(0.4, (0.0, 0.0, 0.1), (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01))
+    load = RigidBody(0.4, (0.0, 0.0, 0.1), (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01))
     served.desk.profiles["pen"] = profile_of("pen", load, frame)
     served.desk.activate_profile("pen")
     served.run(50)

@@ -6,7 +6,7 @@ import pytest
 
 from station.core.description.urdf import Pose
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.arm.load import Load
+from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.fci.desk.desk_state import (
     MOUNTED,
     NO_END_EFFECTOR,
@@ -81,9 +81,9 @@ def test_profile_is_its_load_and_its_frame():
 
 
 def test_desks_own_profiles_stay_and_the_active_one_is_not_deleted(desk):
-    pen = desk.save_profile(None, profile_of("pen", Load(0.1), (1.0,) * 16))
+    pen = desk.save_profile(None, profile_of("pen", RigidBody(0.1), (1.0,) * 16))
     desk.activate_profile(pen["id"])
-    assert desk.arm.changes[-1][:2] == ("end effector", Load(0.1))
+    assert desk.arm.changes[-1][:2] == ("end effector", RigidBody(0.1))
     assert desk.find_profile(pen["id"])["active"] is True
     for name in (pen["id"], MOUNTED, NO_END_EFFECTOR):
         with pytest.raises(DeskRefusalError):

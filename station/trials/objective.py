@@ -1,4 +1,4 @@
-"""The goal of a search: the cost of a trial, and bounds on its metrics."""
+"""The objective of a search: the cost of a trial, and bounds on its metrics."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -65,7 +65,7 @@ class Bound:
 
 
 @dataclass(frozen=True, slots=True)
-class Goal:
+class Objective:
     """The cost by which trials are compared, and the bounds that they must keep.
 
     Args:
@@ -93,7 +93,7 @@ class Goal:
                     f"The weight of '{name}' is {weight:g}; allowed are numbers > 0."
                 )
         if not self.weights:
-            raise ImpossibleRangeError("A goal needs one weight at least.")
+            raise ImpossibleRangeError("An objective needs one weight at least.")
 
     def cost(self, result: TrialResult, first: Mapping[str, float]) -> float:
         """Return the cost of a trial: 1 for the first one, lower is better.
@@ -103,7 +103,7 @@ class Goal:
             first: The metrics of the first trial.
 
         Raises:
-            ExperimentError: The first trial lacks a metric of the goal.
+            ExperimentError: The first trial lacks a metric of the objective.
         """
         self._check(first)
         if result.state == "failed":
@@ -118,7 +118,7 @@ class Goal:
 
         Args:
             result: Result of the trial.
-            first: The metrics of the first trial, with every metric of the goal.
+            first: The metrics of the first trial, with every metric of the objective.
             strictness: Cost of an excess as large as the bound's limit, >= 0.
         """
         if result.state == "failed":

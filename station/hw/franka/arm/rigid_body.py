@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Load:
+class RigidBody:
     """A rigid body fixed to the flange.
 
     Attributes:
@@ -24,11 +24,11 @@ class Load:
     inertia: tuple[float, ...] = (0.0,) * 9
 
 
-def combine_loads(first: Load, second: Load) -> Load:
+def combine_bodies(first: RigidBody, second: RigidBody) -> RigidBody:
     """Return two bodies at the flange as one; a body without mass adds no inertia."""
     mass = first.mass + second.mass
     if mass == 0.0:
-        return Load()
+        return RigidBody()
     center = [
         (first.mass * a + second.mass * b) / mass
         for a, b in zip(first.center_of_mass, second.center_of_mass, strict=True)
@@ -42,7 +42,7 @@ def combine_loads(first: Load, second: Load) -> Load:
             t + own + extra
             for t, own, extra in zip(total, part.inertia, moved, strict=True)
         ]
-    return Load(mass, tuple(center), tuple(total))
+    return RigidBody(mass, tuple(center), tuple(total))
 
 
 def _steiner(mass: float, offset: Sequence[float]) -> list[float]:

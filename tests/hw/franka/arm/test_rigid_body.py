@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from station.hw.franka.arm.load import Load, combine_loads
+from station.hw.franka.arm.rigid_body import RigidBody, combine_bodies
 
 
 def test_centre_of_mass_is_that_of_libfrankas_test() -> None:
-    total = combine_loads(
-        Load(0.73, (-0.01, 0.0, -0.03)), Load(0.5, (0.01, -0.2, 0.03))
+    total = combine_bodies(
+        RigidBody(0.73, (-0.01, 0.0, -0.03)), RigidBody(0.5, (0.01, -0.2, 0.03))
     )
     expected = (-0.0018699, -0.0813008, -0.0056098)
     assert total.mass == pytest.approx(1.23)
@@ -16,19 +16,23 @@ def test_centre_of_mass_is_that_of_libfrankas_test() -> None:
 
 
 def test_inertia_is_that_of_two_points_about_their_centre() -> None:
-    ends = combine_loads(Load(1.0, (0.0, 0.0, 1.0)), Load(1.0, (0.0, 0.0, -1.0)))
+    ends = combine_bodies(
+        RigidBody(1.0, (0.0, 0.0, 1.0)), RigidBody(1.0, (0.0, 0.0, -1.0))
+    )
     assert ends.center_of_mass == (0.0, 0.0, 0.0)
     expected = np.diag([2.0, 2.0, 0.0]).ravel()
     assert ends.inertia == pytest.approx(expected.tolist())
 
 
 def test_inertia_of_no_mass_does_not_count() -> None:
-    body = Load(2.0, (0.1, 0.2, 0.3), (1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 3.0))
-    ghost = Load(0.0, (9.0, 9.0, 9.0), (5.0,) * 9)
-    total = combine_loads(body, ghost)
+    body = RigidBody(
+        2.0, (0.1, 0.2, 0.3), (1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 3.0)
+    )
+    ghost = RigidBody(0.0, (9.0, 9.0, 9.0), (5.0,) * 9)
+    total = combine_bodies(body, ghost)
     assert total.center_of_mass == pytest.approx(body.center_of_mass)
     assert total.inertia == pytest.approx(body.inertia)
 
 
 def test_two_empty_loads_combine_to_an_empty_load() -> None:
-    assert combine_loads(Load(), Load()) == Load()
+    assert combine_bodies(RigidBody(), RigidBody()) == RigidBody()
