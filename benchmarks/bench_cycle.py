@@ -16,9 +16,9 @@ import sys
 from collections.abc import Callable, Iterator
 
 import mujoco
-from cases import CASES, MISSING, SENT, STATES, Case
+from cycle_scenarios import CASES, MISSING, SENT, STATES, Case
 from measuring import print_table, print_title, simulated_world
-from turns import Effort, Turns, ask_for_processor, measure_cold, measure_hot
+from paired_timing import Effort, Turns, ask_for_processor, measure_cold, measure_hot
 
 from station.compiled import SWITCH, status
 from station.core.control.switching import SwitchRequest

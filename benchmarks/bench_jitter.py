@@ -30,7 +30,7 @@ from time import CLOCK_MONOTONIC, monotonic_ns, sleep
 
 import mujoco
 from bench_cycle import MODES
-from cases import CASES, make_dual_panda, make_typical_panda
+from cycle_scenarios import CASES, make_dual_panda, make_typical_panda
 from live import SETTLING, browsers, read_streams, running_station
 from measuring import print_table, print_title, simulated_world
 

@@ -16,9 +16,9 @@ from collections.abc import Callable, Iterator
 from time import perf_counter
 
 from bench_cycle import MODES, measure_both
-from cases import make_panda
+from cycle_scenarios import make_panda
 from measuring import print_table, print_title
-from turns import ask_for_processor, low
+from paired_timing import ask_for_processor, low
 
 from station.compiled import SWITCH, status
 from station.controllers.cartesian_motion import CartesianJogController

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
-from cases import make_panda
+from cycle_scenarios import make_panda
 from measuring import print_table, print_title, simulated_world
 
 FOLDER = Path(__file__).parent

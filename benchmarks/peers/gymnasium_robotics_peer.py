@@ -17,7 +17,7 @@ logging.disable(logging.WARNING)
 import gymnasium  # noqa: E402
 import gymnasium_robotics  # noqa: E402
 import numpy as np  # noqa: E402
-from turns import Effort, ask_for_processor, measure_hot  # noqa: E402
+from paired_timing import Effort, ask_for_processor, measure_hot  # noqa: E402
 
 KIND = mujoco.mjtState.mjSTATE_INTEGRATION
 ENVIRONMENTS = {"FetchReach-v4": "n_substeps", "FrankaKitchen-v1": "frame_skip"}

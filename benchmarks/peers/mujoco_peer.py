@@ -9,7 +9,7 @@ import sys
 
 import mujoco
 import numpy as np
-from turns import Effort, ask_for_processor, measure_cold, measure_hot
+from paired_timing import Effort, ask_for_processor, measure_cold, measure_hot
 
 KIND = mujoco.mjtState.mjSTATE_INTEGRATION
 STIFFNESS = np.array([600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0])

@@ -15,11 +15,11 @@ logging.disable(logging.WARNING)
 
 import numpy as np  # noqa: E402
 import robosuite  # noqa: E402
+from paired_timing import Effort, ask_for_processor, measure_hot  # noqa: E402
 from robosuite.controllers import load_part_controller_config  # noqa: E402
 from robosuite.controllers.composite.composite_controller_factory import (  # noqa: E402
     refactor_composite_controller_config,
 )
-from turns import Effort, ask_for_processor, measure_hot  # noqa: E402
 
 KIND = mujoco.mjtState.mjSTATE_INTEGRATION
 CONTROLLERS = ("JOINT_TORQUE", "JOINT_POSITION", "OSC_POSE")

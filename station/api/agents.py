@@ -20,7 +20,7 @@ from station.api.auth import Access
 from station.core.errors import StationError, suggest
 from station.core.facade.station import Station
 from station.events import EventKind, EventLog, Origin, Severity
-from station.reports import AgentRequest, LoopState, Verdict
+from station.reports import AgentRequest, Verdict
 
 FREE = frozenset([
     "stop", "stop_gripper", "cancel_goal", "cancel_playback",
@@ -253,7 +253,7 @@ class Agents:
 
     def _check_stepped(self) -> None:
         loop = self._station.loop
-        if loop.state is LoopState.RUNNING and not loop.pace.paused:
+        if loop.advances:
             raise _refused(
                 "This station lets agents move without approval, which is for a paused "
                 "simulation alone; it runs.",

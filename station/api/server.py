@@ -17,7 +17,7 @@ from websockets.http11 import Request
 from station.api.streams.broadcaster import PORT
 from station.api.tool_port import ToolPort, by_port
 from station.core.errors import StationError
-from station.core.loop.right_of_way import RightOfWay
+from station.core.loop.cycle_yield import CycleYield
 from station.local.tls import TlsFiles
 from station.web.limited_server import LimitedServer, SocketProtocol
 
@@ -35,23 +35,23 @@ class ServerStartError(StationError, OSError):
     code = "cannot_listen"
 
 
-class GivingWaySelector(selectors.DefaultSelector):
+class YieldingSelector(selectors.DefaultSelector):
     """Lets a due cycle of the control loop begin before a turn of the event loop.
 
     Args:
-        right_of_way: Makes this thread wait when the control thread is due.
+        cycle_yield: Makes this thread wait when the control thread is due.
     """
 
-    def __init__(self, right_of_way: RightOfWay) -> None:
+    def __init__(self, cycle_yield: CycleYield) -> None:
         super().__init__()
-        self._right_of_way = right_of_way
+        self._cycle_yield = cycle_yield
 
     @override
     def select(
         self, timeout: float | None = None
     ) -> list[tuple[selectors.SelectorKey, int]]:
         ready = super().select(timeout)
-        self._right_of_way.give()
+        self._cycle_yield.wait_if_cycle_is_due()
         return ready
 
 
@@ -87,7 +87,7 @@ class ApiServer:
         self._scheme = "http" if context is None else "https"
         services: Services = app.state.services
         self._broadcaster = services.broadcaster
-        self._right_of_way = services.station.loop.right_of_way
+        self._cycle_yield = services.station.loop.cycle_yield
         self._ports = ports
         self._server = LimitedServer(
             uvicorn.Config(
@@ -169,7 +169,7 @@ class ApiServer:
     def _run(self, listeners: list[socket.socket]) -> None:
         with asyncio.Runner(
             loop_factory=lambda: asyncio.SelectorEventLoop(
-                GivingWaySelector(self._right_of_way)
+                YieldingSelector(self._cycle_yield)
             )
         ) as runner:
             runner.run(self._serve(listeners))

@@ -167,7 +167,7 @@ class InProcessStation:
             LoopError: The control thread runs.
         """
         loop = self.facade.loop
-        tick = loop.period / loop.pace.real_time_factor
+        tick = loop.period / loop.speed.real_time_factor
         if self._recorder is None:
             loop.step(cycles, tick)
             return
@@ -239,7 +239,7 @@ class InProcessStation:
         end = loop.time + seconds - 0.5 * loop.period
         while loop.time < end:
             loop.check_alive()
-            left = (end - loop.time) / loop.pace.real_time_factor
+            left = (end - loop.time) / loop.speed.real_time_factor
             # Sleep briefly, because the simulation may be paused, slowed down, or end
             # meanwhile.
             loop.clock.sleep_until(loop.clock.now() + min(left, 0.1))

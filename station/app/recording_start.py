@@ -85,7 +85,7 @@ def recover_all(
         for skipped in store.skipped():
             warn(f"A file of {store.folder} is skipped: {skipped}.")
         store.recover(
-            station.loop.right_of_way.give,
+            station.loop.cycle_yield.wait_if_cycle_is_due,
             lambda info: warn(
                 f"Recording {info.identifier} is {info.state}: {info.error}"
             ),

@@ -170,7 +170,7 @@ class _Rerun:
         while self._inputs and self._after(self._inputs[0]) <= loop.cycle:
             self._ask(self._inputs.popleft())
         self._plan_ahead()
-        self._clock.advance(loop.period / loop.pace.real_time_factor)
+        self._clock.advance(loop.period / loop.speed.real_time_factor)
         loop.step()
 
     def _plan_ahead(self) -> None:
@@ -180,13 +180,13 @@ class _Rerun:
                 self._prepare(one)
 
     def _prepare(self, one: Arguments) -> None:
-        receipt = self._station.motion.receipt()
-        receipt.held = []
+        ticket = self._station.motion.ticket()
+        ticket.held = []
         try:
-            carry_out_plan(self._station, str(one["kind"]), one, receipt)
+            carry_out_plan(self._station, str(one["kind"]), one, ticket)
         except StationError as error:
             self._refused(one, error)
-        self._prepared[id(one)] = receipt.held
+        self._prepared[id(one)] = ticket.held
 
     def _hand_over(self, one: Arguments) -> None:
         """Submit a plan that the next cycle takes."""

@@ -273,10 +273,10 @@ class StationWatchdog:
         """Publish the station's state, and restart a watchdog that has ended."""
         if self._process is None:
             return
-        station.loop.right_of_way.give()
+        station.loop.cycle_yield.wait_if_cycle_is_due()
         # Give way before and after this piece of work, which takes a part of a period.
         status = _status(station)
-        station.loop.right_of_way.give()
+        station.loop.cycle_yield.wait_if_cycle_is_due()
         self._process.tell(status)
         self._tell_tokens(self._process)
         now = station.loop.clock.now()

@@ -33,7 +33,7 @@ from station.client.blocking import (
     WaypointPathsClient as WaypointPathsClient,
 )
 from station.client.blocking_streams import Stream as Stream
-from station.client.connection import Promptness as Promptness
+from station.client.connection import RequestDeadline as RequestDeadline
 from station.client.controllers import AsyncGoalHandle as AsyncGoalHandle
 from station.client.errors import (
     ApiError as ApiError,

@@ -43,7 +43,7 @@ ThingT = TypeVar("ThingT")
 Query = Mapping[str, str | list[str]]
 
 
-class Promptness:
+class RequestDeadline:
     """Computes the latest time, by the station's clock, at which a change may begin.
 
     The clocks of two machines may differ, so the station's clock is estimated from the
@@ -97,7 +97,7 @@ class AsyncConnection:
         timeout: Longest wait for an answer [s]; may be changed.
         lease: The lease of control under which requests are sent; None without one.
         tls: TLS context that checks the station's certificate; None for plain HTTP.
-        promptness: Computes the latest begin of changes; None lets them begin however
+        deadline: Computes the latest begin of changes; None lets them begin however
             late.
     """
 
@@ -114,7 +114,7 @@ class AsyncConnection:
         self.timeout = timeout
         self.lease: str | None = None
         self.tls = tls
-        self.promptness: Promptness | None = None
+        self.deadline: RequestDeadline | None = None
         self._http = httpx.AsyncClient(
             base_url=url,
             headers=bearer(token),
@@ -260,8 +260,8 @@ class AsyncConnection:
             ValueError: A number of the body is not finite.
         """
         sent = dict(headers or {})
-        if self.promptness is not None:
-            sent |= self.promptness.headers()
+        if self.deadline is not None:
+            sent |= self.deadline.headers()
         if self.lease is not None:
             sent[LEASE_HEADER] = self.lease
         content: bytes | AsyncIterable[bytes] | None = None
@@ -337,8 +337,8 @@ class AsyncConnection:
             )
         except httpx.TransportError as error:
             raise StationUnreachableError(self.url, error) from error
-        if self.promptness is not None:
-            self.promptness.hear(response.headers)
+        if self.deadline is not None:
+            self.deadline.hear(response.headers)
         if not response.is_success:
             refusal = ApiError.from_body(response.status_code, response.content)
             raise refusal

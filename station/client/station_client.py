@@ -9,7 +9,7 @@ import httpx
 from pydantic import JsonValue, ValidationError
 
 from station import wire
-from station.client.connection import AsyncConnection, Promptness, Query, segment
+from station.client.connection import AsyncConnection, Query, RequestDeadline, segment
 from station.client.controllers import AsyncControllersClient, AsyncGoalHandle
 from station.client.lease import AsyncControlLease, AsyncLeaseClient
 from station.client.motion import move_to, start_move
@@ -149,15 +149,15 @@ class AsyncStationClient(AsyncControllersClient):
     def timeout(self, timeout: float) -> None:
         self._connection.timeout = timeout
 
-    def begin_within(self, promptness: Promptness | None) -> None:
+    def begin_within(self, deadline: RequestDeadline | None) -> None:
         """Make the station refuse changes that would begin too late.
 
         Args:
-            promptness: Computes the latest begin, from the next request on; several
+            deadline: Computes the latest begin, from the next request on; several
                 clients of one station may share it. None lets a change begin however
                 late it comes.
         """
-        self._connection.promptness = promptness
+        self._connection.deadline = deadline
 
     @property
     def tls(self) -> ssl.SSLContext | None:

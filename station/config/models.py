@@ -18,7 +18,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from station.core.loop.pace import FASTEST, SLOWEST
+from station.core.loop.simulation_speed import FASTEST, SLOWEST
 
 NAME_PATTERN = r"^[A-Za-z0-9_]+$"
 PLUGIN_PATTERN = r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$"

@@ -39,8 +39,8 @@ from station.core.hardware.interfaces import (
 )
 from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters
+from station.core.ports.command_ticket import CommandTicket
 from station.core.ports.goal import Goal, GoalPort, GoalResult, GoalStatus
-from station.core.ports.receipt import Receipt
 from station.core.ports.set_point import RANGE_TOLERANCE
 
 
@@ -86,14 +86,14 @@ class GripperGoalPort(GoalPort):
 
     @override
     def submit(
-        self, request: Mapping[str, object], receipt: Receipt | None = None
+        self, request: Mapping[str, object], ticket: CommandTicket | None = None
     ) -> Goal:
         """Check a goal and let it replace the present one.
 
         Args:
             request: `{"command": {"position", "max_effort"}}`; `max_effort` is
                 optional, and its sign is ignored.
-            receipt: Notes the cycle that takes the goal.
+            ticket: Notes the cycle that takes the goal.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -101,12 +101,12 @@ class GripperGoalPort(GoalPort):
                 limits of the joint.
         """
         command = self._parse(request)
-        goal = self.new_goal(request, receipt)
+        goal = self.new_goal(request, ticket)
         self.remember(goal)
-        if receipt is None:
+        if ticket is None:
             self.waiting.append((goal, command))
         else:
-            receipt.hand_over(lambda: self.waiting.append((goal, command)))
+            ticket.hand_over(lambda: self.waiting.append((goal, command)))
         return goal
 
     def _parse(self, request: Mapping[str, object]) -> GripperTarget:
@@ -357,8 +357,8 @@ class GripperActionController(Controller[CommandInterfaceT]):
             self._goal.finish(GoalStatus.PREEMPTED, replaced)
         if not goal.is_final():
             goal.status = GoalStatus.ACTIVE
-        if goal.receipt is not None:
-            goal.receipt.pick_up()
+        if goal.ticket is not None:
+            goal.ticket.accept()
         self._goal = goal
         self._target = target
         self._last_movement = time

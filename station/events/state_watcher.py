@@ -101,7 +101,7 @@ class StateWatcher:
         other checks still run.
         """
         for what, look in self._parts.items():
-            self._station.loop.right_of_way.give()
+            self._station.loop.cycle_yield.wait_if_cycle_is_due()
             try:
                 look()
             except Exception as error:  # noqa: BLE001 - reported; the watching goes on

@@ -9,8 +9,8 @@ from station.core.control.controller_manager import ControllerManager
 from station.core.errors import PathRefusedError, StationError
 from station.core.facade.motion_commands import MotionCommands
 from station.core.loop.control_loop import ControlLoop
+from station.core.ports.command_ticket import CommandTicket
 from station.core.ports.goal import Goal, GoalStatus
-from station.core.ports.receipt import Receipt
 from station.library.waypoint_paths import PathPlan, WaypointPaths, plan_path
 from station.reports import Playback, PlaybackState, WaypointPath
 
@@ -127,14 +127,14 @@ class PathPlayer:
         self,
         name: str,
         options: PlayOptions | None = None,
-        receipt: Receipt | None = None,
+        ticket: CommandTicket | None = None,
     ) -> Playback:
         """Begin a path at its first waypoint; a path that plays now is replaced.
 
         Args:
             name: The path.
             options: How it is played.
-            receipt: Notes the cycle that takes the first goal of the path.
+            ticket: Notes the cycle that takes the first goal of the path.
 
         Raises:
             WaypointPathNotFoundError: There is no path of that name.
@@ -163,7 +163,7 @@ class PathPlayer:
                 remaining=0.0,
                 message="",
             )
-            self._begin(path, playback, options.first, receipt=receipt)
+            self._begin(path, playback, options.first, ticket=ticket)
             self._first = options.first
             self._play += 1
             play = self._play
@@ -336,7 +336,7 @@ class PathPlayer:
         playback: Playback,
         first: int,
         since: Mapping[str, float] | None = None,
-        receipt: Receipt | None = None,
+        ticket: CommandTicket | None = None,
     ) -> None:
         """Send a goal from the present position through the waypoints from `first`."""
         plan = self._plan(path, playback.controller, first, playback.speed, since)
@@ -344,7 +344,7 @@ class PathPlayer:
             playback.controller,
             plan.goal(),
             self._epoch,
-            receipt=receipt,
+            ticket=ticket,
         )
         here = zip(plan.joints, plan.start, strict=True)
         began = dict(here) if since is None else since

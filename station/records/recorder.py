@@ -303,7 +303,7 @@ class Recorder:
         if rows.lost:
             self._inputs.lose("what was asked while cycles were lost", self._cycle)
         for index in range(len(rows)):
-            self._station.loop.right_of_way.give()
+            self._station.loop.cycle_yield.wait_if_cycle_is_due()
             packed = self._packer.pack(rows.record(index))
             row = self._packer.unpack(packed)
             if until is not None and row.cycle > until:

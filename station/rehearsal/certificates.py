@@ -17,7 +17,7 @@ from station.core.errors import (
 from station.core.hardware.robot_report import SceneObjectReport
 from station.core.loop.cycle_tap import CycleTap
 from station.core.loop.snapshot import HEAD
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 from station.reports import Certificate
 
 if TYPE_CHECKING:
@@ -175,18 +175,18 @@ class Tube(CycleTap[None]):
         self._joints = tuple(joints)
         self._width = width
         self._controller = controller
-        self._receipt: Receipt | None = None
+        self._ticket: CommandTicket | None = None
         self._commands: int | None = None
         self._epoch = station.epoch
         self._begin: float | None = None
 
-    def expect(self, receipt: Receipt) -> None:
+    def expect(self, ticket: CommandTicket) -> None:
         """Watch from the cycle that takes a command; call this before the command.
 
         Args:
-            receipt: Notes the cycle that takes the command.
+            ticket: Notes the cycle that takes the command.
         """
-        self._receipt = receipt
+        self._ticket = ticket
         self.open()
 
     def follow(self) -> None:
@@ -196,8 +196,8 @@ class Tube(CycleTap[None]):
     @override
     def sample_cycle(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
         """Compare a cycle with the motion. Only the control thread calls it."""
-        receipt, commands = self._receipt, self._commands
-        if self.is_over or receipt is None or receipt.cycle is None:
+        ticket, commands = self._ticket, self._commands
+        if self.is_over or ticket is None or ticket.accepted_cycle is None:
             return
         now = self._station.inputs.commands.get(self._controller)
         if epoch != self._epoch or (commands is not None and now != commands):
@@ -289,11 +289,11 @@ class Certificates:
         return Certificate(name, VALID_FOR, self._tolerances.tube)
 
     @contextmanager
-    def redeem(self, name: str, command: Mapping[str, Any]) -> Iterator[Receipt]:
+    def redeem(self, name: str, command: Mapping[str, Any]) -> Iterator[CommandTicket]:
         """Let a rehearsed command be given in the body of a `with`.
 
         The commands of a certificate must be given in their order, each once. The body
-        gives the command, with the receipt that this method yields.
+        gives the command, with the ticket that this method yields.
 
         Args:
             name: The certificate.
@@ -308,11 +308,11 @@ class Certificates:
         issued = self._find(name)
         with issued.lock:
             self._check(issued, command)
-            receipt, is_last = self._station.motion.receipt(), len(issued.commands) == 1
+            ticket, is_last = self._station.motion.ticket(), len(issued.commands) == 1
             if is_last:
-                self._watch(issued.tube, receipt)
+                self._watch(issued.tube, ticket)
             try:
-                yield receipt
+                yield ticket
             except BaseException:
                 # The command was refused, so there is no motion to watch.
                 issued.tube.close()
@@ -325,12 +325,12 @@ class Certificates:
                 issued.tube.follow()
                 self._issued.pop(name, None)
 
-    def _watch(self, tube: Tube, receipt: Receipt) -> None:
+    def _watch(self, tube: Tube, ticket: CommandTicket) -> None:
         """Replace the tube that is watched."""
         if self._tube is not None:
             self._tube.close()
         self._tube = tube
-        tube.expect(receipt)
+        tube.expect(ticket)
 
     def _check(self, issued: _Issued, command: Mapping[str, Any]) -> None:
         if not issued.commands or issued.commands[0] != command_text(command):

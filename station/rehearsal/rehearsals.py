@@ -23,7 +23,7 @@ from station.core.errors import (
     StationError,
     suggest,
 )
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 from station.rehearsal.certificates import Certificates, Conditions, Tolerances
 from station.rehearsal.envelope import Envelope, Hands
 from station.rehearsal.planning import Wish, plan
@@ -37,7 +37,7 @@ from station.rehearsal.run_ahead import (
     Script,
     run_ahead,
 )
-from station.reports import LoopState, Plan, Rehearsal, RehearsalOutcome
+from station.reports import Plan, Rehearsal, RehearsalOutcome
 
 if TYPE_CHECKING:
     from station.core.facade.station import Station
@@ -405,13 +405,13 @@ class Rehearsals:
     def _pay(self, who: str | None) -> None:
         """Count a copy for its client if the station is live."""
         loop = self._station.loop
-        if who is not None and loop.state is LoopState.RUNNING and not loop.pace.paused:
+        if who is not None and loop.advances:
             self.rate.count(who)
 
     @contextmanager
     def redeemed(
         self, certificate: str | None, command: Mapping[str, Any]
-    ) -> Iterator[Receipt | None]:
+    ) -> Iterator[CommandTicket | None]:
         """Let a command be given in the body of a `with`, by its certificate if any.
 
         Args:
@@ -427,10 +427,10 @@ class Rehearsals:
         if certificate is None:
             yield None
             return
-        with self._certificates.redeem(certificate, command) as receipt:
+        with self._certificates.redeem(certificate, command) as ticket:
             before = _redeemed.set(True)
             try:
-                yield receipt
+                yield ticket
             finally:
                 _redeemed.reset(before)
 

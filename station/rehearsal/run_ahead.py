@@ -122,7 +122,7 @@ class _RunAhead:
         self._plans = plans
         self._tell = tell
         self._clock = _stand_still(station.loop.clock)
-        self._tick = self._loop.period / self._loop.pace.real_time_factor
+        self._tick = self._loop.period / self._loop.speed.real_time_factor
         self._conditions = Conditions.of(station)
         self._steps = sorted(script.steps, key=lambda step: float(step["at"]))
         self._done = 0

@@ -9,7 +9,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from station.api.server import ApiServer, GivingWaySelector, ServerStartError
+from station.api.server import ApiServer, ServerStartError, YieldingSelector
 from station.local.tls import TlsFiles, TlsFilesError, trust
 from tests.api.conftest import OPERATOR
 from tests.api.test_errors import problem_of
@@ -195,7 +195,7 @@ def test_a_turn_of_the_event_loop_lets_a_cycle_begin_before():
     class Cycle:
         given = 0
 
-        def give(self) -> None:
+        def wait_if_cycle_is_due(self) -> None:
             self.given += 1
 
     cycle = Cycle()
@@ -206,7 +206,7 @@ def test_a_turn_of_the_event_loop_lets_a_cycle_begin_before():
         await asyncio.sleep(0)
         seen.append(cycle.given)
 
-    loop = asyncio.SelectorEventLoop(GivingWaySelector(cycle))
+    loop = asyncio.SelectorEventLoop(YieldingSelector(cycle))
     try:
         loop.run_until_complete(turn())
     finally:

@@ -103,8 +103,8 @@ def test_model_moves_as_the_real_arm_would_and_the_arm_does_not(real):
 
     # What the certificate asks for is what the real arm has, and the tube holds.
     command = {key: value for key, value in steps[0].items() if key != "at"}
-    with real.rehearsals.redeemed(told.certificate.name, command) as receipt:
-        real.facade.motion.submit_goal(POSITION, steps[0]["request"], receipt=receipt)
+    with real.rehearsals.redeemed(told.certificate.name, command) as ticket:
+        real.facade.motion.submit_goal(POSITION, steps[0]["request"], ticket=ticket)
     real.step(told.cycles)
     assert real.facade.latest().position == pytest.approx(target, abs=2e-3)
     assert real.facade.status().stop_reason == ""

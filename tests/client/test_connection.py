@@ -8,7 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from station.client import ApiError, AsyncStationClient, EmptyNameError
-from station.client.connection import AsyncConnection, Promptness, segment
+from station.client.connection import AsyncConnection, RequestDeadline, segment
 from station.core.clock import ManualClock
 from station.wire import Session
 from station.wire.protocol import CLOCK_HEADER, NOT_AFTER_HEADER
@@ -144,7 +144,7 @@ def test_the_timeout_can_be_changed():
 
 def test_a_change_may_begin_for_some_time_by_the_stations_clock():
     clock = ManualClock()
-    prompt = Promptness(3.0, clock.now)
+    prompt = RequestDeadline(3.0, clock.now)
     assert prompt.headers() == {}
     prompt.hear({CLOCK_HEADER: "1000.25"})
     clock.advance(2.0)

@@ -10,7 +10,7 @@ HOUSE_WORDS = set(
         r"\w+",
         """
         alarm bench dock door epoch gate ghost guard guest incident latch layer
-        lease pace port receipt ring sample scorecard seam slot snapshot storm tap
+        lease port ring sample scorecard seam slot snapshot storm tap
         tunable
         """,
     )

@@ -329,8 +329,8 @@ def test_certificate_is_void_after_a_change(ready, named):
 
 def certified(robot, rehearsals):
     certificate = rehearsals.rehearse(STEPS, certify=True).certificate
-    with rehearsals.redeemed(certificate.name, STEPS[0]) as receipt:
-        robot.facade.motion.submit_goal(EFFORT, STEPS[0]["request"], receipt=receipt)
+    with rehearsals.redeemed(certificate.name, STEPS[0]) as ticket:
+        robot.facade.motion.submit_goal(EFFORT, STEPS[0]["request"], ticket=ticket)
 
 
 def test_certified_motion_is_carried_out_once(ready):

@@ -79,7 +79,7 @@ class LiveChannels:
         )
         if not len(rows):
             return []
-        loop.right_of_way.give()
+        loop.cycle_yield.wait_if_cycle_is_due()
         row = self._packer.unpack(self._packer.pack(rows.record(len(rows) - 1)))
         self._cycle = row.cycle
         stamp = self._encoder.stamp(row.time)
@@ -103,7 +103,7 @@ class LiveChannels:
         yield from self._encoder.of_row(row)
         if self._urdf is None or TRANSFORMS not in wanted:
             return
-        self._station.loop.right_of_way.give()
+        self._station.loop.cycle_yield.wait_if_cycle_is_due()
         values = row.joints.cast("d")
         names = row.form.joints
         positions = dict(zip(names, values[: len(names)], strict=True))

@@ -72,7 +72,7 @@ class RosbridgePort(ToolPort[RosbridgeSession]):
                 continue
             if not (is_new or topic.in_pause) or now + 0.5 / self.rate < topic.due:
                 continue
-            self._graph.station.loop.right_of_way.give()
+            self._graph.station.loop.cycle_yield.wait_if_cycle_is_due()
             message = topic.read(frame)
             if message is not None:
                 topic.due = now + topic.period

@@ -125,7 +125,7 @@ def _trace(
     info = ended(store, identifier)
     controller = f"{CONTROLLERS}{part.controller}"
     choice = Choice((JOINT_STATES, controller), (part.joint,))
-    pause = services.station.loop.right_of_way.give
+    pause = services.station.loop.cycle_yield.wait_if_cycle_is_due
     table = RecordingTable(store.file(info.identifier), choice, pause)
     joints, samples = JOINT_STATES.strip("/"), controller.strip("/")
     wanted = ["cycle", "time", "period"]

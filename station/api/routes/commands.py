@@ -47,7 +47,7 @@ def put_command(
     values, timeout, rates = request.command, request.timeout, request.rates
     command = {"name": name, "values": values, "timeout": timeout, "rates": rates}
     with by_rehearsal.giving("set_point", **command) as certified:
-        receipt = certified or station.motion.receipt()
+        ticket = certified or station.motion.ticket()
         # Check again, because control may have changed hands since the check of the
         # request.
         with services.control.commanding(access, key, name):
@@ -57,9 +57,9 @@ def put_command(
                 request.epoch,
                 timeout,
                 rates,
-                receipt,
+                ticket,
             )
-    return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
+    return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(ticket))
 
 
 @_set_points.get("/controllers/{name}/state", responses=problems(404, 409))
@@ -110,9 +110,9 @@ def submit_goal(
     nothing resumes it.
     """
     admit = partial(services.control.admit, access, key, name)
-    with by_rehearsal.giving("goal", name=name, request=request.goal) as receipt:
+    with by_rehearsal.giving("goal", name=name, request=request.goal) as ticket:
         found = station.motion.submit_goal(
-            name, request.goal, request.epoch, admit, receipt
+            name, request.goal, request.epoch, admit, ticket
         )
     return answers.goal(found)
 
@@ -157,15 +157,15 @@ def follow_trajectory(
     """
     trajectory = request.trajectory
     with by_rehearsal.giving("trajectory", name=name, request=trajectory) as certified:
-        receipt = certified or station.motion.receipt()
+        ticket = certified or station.motion.ticket()
         epoch = station.motion.follow_trajectory(
             name,
             trajectory,
             request.epoch,
-            receipt,
+            ticket,
             partial(services.control.admit, access, key, name),
         )
-    return wire.CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
+    return wire.CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(ticket))
 
 
 @_goals.get("/controllers/{name}/query_state", responses=problems(404, 409, 422))

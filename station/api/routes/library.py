@@ -118,8 +118,8 @@ def play_waypoint_path(
     """
     wanted = request or wire.PlayRequest()
     options = wanted.model_dump()
-    with by_rehearsal.giving("path", path=name, options=options) as receipt:
-        return services.path_player.play(name, PlayOptions(**options), receipt)
+    with by_rehearsal.giving("path", path=name, options=options) as ticket:
+        return services.path_player.play(name, PlayOptions(**options), ticket)
 
 
 @_paths.get("/playback", responses=problems())

@@ -176,7 +176,7 @@ async def upload_recording(
     upload = await to_thread.run_sync(Upload, recorder.store, name)
     try:
         await _receive(request, upload)
-        pause = station.loop.right_of_way.give
+        pause = station.loop.cycle_yield.wait_if_cycle_is_due
         info = await to_thread.run_sync(upload.finish, pause)
     finally:
         upload.close()
@@ -294,7 +294,7 @@ def get_table(
     choice = Choice(tuple(channels), tuple(joints), rate)
     info = ended(store, identifier)
     # This call refuses an unreadable file, before the answer begins.
-    pause = station.loop.right_of_way.give
+    pause = station.loop.cycle_yield.wait_if_cycle_is_due
     pieces = csv_pieces(store.file(info.identifier), choice, pause)
     name = f'attachment; filename="{info.identifier}.csv"'
     headers = {"Content-Disposition": name}

@@ -9,7 +9,7 @@ from fastapi import Depends, Query, Response
 from station.api.auth import Role
 from station.api.dependencies import AccessDep, OperatorAnyway, ServicesDep
 from station.api.routes.routing import change, problems, routes_of
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 from station.rehearsal.planning import Wish
 from station.rehearsal.rehearsals import Policy
 from station.reports import Plan, Rehearsal
@@ -98,7 +98,7 @@ class ByRehearsal:
         self._certificate = certificate
 
     @contextmanager
-    def giving(self, kind: str, **command: object) -> Iterator[Receipt | None]:
+    def giving(self, kind: str, **command: object) -> Iterator[CommandTicket | None]:
         """Give a command in the body of a `with`, which must not wait for the robot.
 
         Args:
@@ -106,13 +106,13 @@ class ByRehearsal:
             command: Arguments of the command, as in the step.
         """
         rehearsals, step = self._rehearsals, {"kind": kind, **command}
-        with rehearsals.redeemed(self._certificate, step) as receipt:
+        with rehearsals.redeemed(self._certificate, step) as ticket:
             if kind != "switch":
                 rehearsals.check(is_agent=self._is_agent)
             policy = rehearsals.rules.policy_of(is_agent=self._is_agent)
             if policy is Policy.ADVISE and self._certificate is None:
                 self._response.headers[REHEARSAL_HEADER] = "advised"
-            yield receipt
+            yield ticket
 
 
 ByRehearsalDep = Annotated[ByRehearsal, Depends()]

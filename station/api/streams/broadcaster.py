@@ -112,8 +112,8 @@ class Broadcaster:
     ) -> None:
         channel = self._channels.get(request)
         if channel is None:
-            right_of_way = self._station.loop.right_of_way
-            channel = open_channel(request, topic, right_of_way)
+            cycle_yield = self._station.loop.cycle_yield
+            channel = open_channel(request, topic, cycle_yield)
             self._channels[request] = channel
         port: StreamPort = websocket.scope["state"][PORT]
         client = StreamClient(port, channel, self._slow_after)

@@ -17,7 +17,7 @@ from websockets.frames import Frame as WebSocketFrame, Opcode
 from station.api.streams.cycle_samples import Data, Payload
 from station.api.streams.request import StreamRequest
 from station.api.streams.topics import EventsTopic, Topic
-from station.core.loop.right_of_way import RightOfWay
+from station.core.loop.cycle_yield import CycleYield
 from station.events import Event
 from station.wire import StreamFormat
 
@@ -111,15 +111,15 @@ class Channel(ABC):
 
     Args:
         request: The request, which is the same for all its clients.
-        right_of_way: Tells when to wait for the control thread.
+        cycle_yield: Tells when to wait for the control thread.
         period: Time between two ticks [s].
     """
 
     def __init__(
-        self, request: StreamRequest, right_of_way: RightOfWay, period: float
+        self, request: StreamRequest, cycle_yield: CycleYield, period: float
     ) -> None:
         self.request = request
-        self._right_of_way = right_of_way
+        self._cycle_yield = cycle_yield
         self._period = period
         self._clients: dict[ChannelClient, None] = {}
         self._task: asyncio.Task[None] | None = None
@@ -184,7 +184,7 @@ class Channel(ABC):
             while True:
                 await self.tick()
                 for client in tuple(self._clients):
-                    self._right_of_way.give()
+                    self._cycle_yield.wait_if_cycle_is_due()
                     client.ticked()
                 # A late tick is not repeated, because clients take only the newest
                 # frame.
@@ -201,7 +201,7 @@ class StateChannel(Channel):
 
     Args:
         request: The request, which is the same for all its clients.
-        right_of_way: Tells when to wait for the control thread.
+        cycle_yield: Tells when to wait for the control thread.
         topic: Source of the state.
         rate: Frames per second [Hz].
     """
@@ -209,11 +209,11 @@ class StateChannel(Channel):
     def __init__(
         self,
         request: StreamRequest,
-        right_of_way: RightOfWay,
+        cycle_yield: CycleYield,
         topic: Topic,
         rate: float,
     ) -> None:
-        super().__init__(request, right_of_way, 1.0 / rate)
+        super().__init__(request, cycle_yield, 1.0 / rate)
         self._topic = topic
         self._frame = Frame(0, b"", b"")
         self._cycle = 0
@@ -247,7 +247,7 @@ class StateChannel(Channel):
             return
         self._cycle = payload.cycle
         self._made_at = now
-        self._right_of_way.give()
+        self._cycle_yield.wait_if_cycle_is_due()
         self._frame = encode(
             self._topic.name,
             payload,
@@ -262,14 +262,14 @@ class FullChannel(Channel):
 
     Args:
         request: The request, which is the same for all its clients.
-        right_of_way: Tells when to wait for the control thread.
+        cycle_yield: Tells when to wait for the control thread.
         topic: Source of the samples.
     """
 
     def __init__(
-        self, request: StreamRequest, right_of_way: RightOfWay, topic: Topic
+        self, request: StreamRequest, cycle_yield: CycleYield, topic: Topic
     ) -> None:
-        super().__init__(request, right_of_way, BATCH_PERIOD)
+        super().__init__(request, cycle_yield, BATCH_PERIOD)
         self._topic = topic
         self._samples = topic.every_cycle()
         self._newest = self._samples.newest_cycle()
@@ -330,7 +330,7 @@ class EventChannel(Channel):
 
     Args:
         request: The request, which is the same for all its clients.
-        right_of_way: Tells when to wait for the control thread.
+        cycle_yield: Tells when to wait for the control thread.
         topic: Source of the events.
         rate: Rate at which it looks for new events [Hz].
     """
@@ -338,11 +338,11 @@ class EventChannel(Channel):
     def __init__(
         self,
         request: StreamRequest,
-        right_of_way: RightOfWay,
+        cycle_yield: CycleYield,
         topic: EventsTopic,
         rate: float,
     ) -> None:
-        super().__init__(request, right_of_way, 1.0 / rate)
+        super().__init__(request, cycle_yield, 1.0 / rate)
         self._topic = topic
         self._newest = topic.log.newest_id
         self._frames: dict[int, Frame] = {}
@@ -399,15 +399,15 @@ class EventChannel(Channel):
 
 
 def open_channel(
-    request: StreamRequest, topic: Topic, right_of_way: RightOfWay
+    request: StreamRequest, topic: Topic, cycle_yield: CycleYield
 ) -> Channel:
     """Return the channel that a request needs."""
     if isinstance(topic, EventsTopic):
         rate = request.rate or topic.default_rate
-        return EventChannel(request, right_of_way, topic, rate)
+        return EventChannel(request, cycle_yield, topic, rate)
     if request.rate is not None:
-        return StateChannel(request, right_of_way, topic, request.rate)
-    return FullChannel(request, right_of_way, topic)
+        return StateChannel(request, cycle_yield, topic, request.rate)
+    return FullChannel(request, cycle_yield, topic)
 
 
 class StreamPort(Protocol):

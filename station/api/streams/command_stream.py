@@ -26,7 +26,7 @@ from station.core.facade.station import Station
 from station.wire.validation_words import explain, explain_json
 
 if TYPE_CHECKING:
-    from station.core.ports.receipt import Receipt
+    from station.core.ports.command_ticket import CommandTicket
 
 DEFAULT_TIMEOUT = 0.2
 """Default silence after which a set-point expires [s]."""
@@ -109,7 +109,7 @@ class CommandStream:
         self._received = 0
         self._applied = 0
         self._refused = 0
-        self._waiting: Receipt | None = None
+        self._waiting: CommandTicket | None = None
         self._error: dict[str, object] | None = None
 
     def counts(self) -> dict[str, object]:
@@ -233,7 +233,7 @@ class CommandStream:
                 f"timeout: is {timeout} s; a set-point of this stream is valid for "
                 f"more than 0 and at most {request.timeout} s."
             )
-        receipt = motion.receipt()
+        ticket = motion.ticket()
         with self._control.commanding(self._access, request.lease, request.controller):
             motion.set_command(
                 request.controller,
@@ -241,13 +241,13 @@ class CommandStream:
                 command.epoch,
                 timeout,
                 command.rates,
-                receipt,
+                ticket,
             )
-        self._waiting = receipt
+        self._waiting = ticket
 
     def _settle(self) -> None:
         """Count the last given set-point, if a cycle has taken it."""
-        if self._waiting is not None and self._waiting.cycle is not None:
+        if self._waiting is not None and self._waiting.accepted_cycle is not None:
             self._applied += 1
             self._waiting = None
 

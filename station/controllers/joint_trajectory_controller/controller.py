@@ -416,7 +416,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
         velocities, accelerations, measured, rate_errors = map(
             sample.column, range(4, 8)
         )
-        begun, passed = sample.rest(8)
+        begun, passed = sample.tail(8)
         return JointTrajectoryState(
             sample.stamp,
             PosVelAccState(desired, velocities, accelerations, begun),

@@ -19,8 +19,8 @@ from station.core.description.urdf import JointType
 from station.core.hardware.interfaces import JointStateGroup
 from station.core.numerics.joint_errors import CONTINUOUS, PLAIN, JointErrors
 from station.core.parameters import Parameters
+from station.core.ports.command_ticket import CommandTicket
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
-from station.core.ports.receipt import Receipt
 from station.core.trajectory import (
     JointTrajectorySegment,
     PosVelAccState,
@@ -389,12 +389,12 @@ class Request:
         is_void: Whether earlier commands count no longer, so that the joints hold
             where they are.
         goal: The goal that ends with the trajectory; None for a trajectory without one.
-        receipt: Notes the cycle that takes the request.
+        ticket: Notes the cycle that takes the request.
     """
 
     trajectory: SegmentTrajectory | None
     goal: Goal | None
-    receipt: Receipt | None = None
+    ticket: CommandTicket | None = None
     is_void: bool = False
 
 
@@ -501,15 +501,17 @@ class TrajectoryExecution:
             if waiting is not None:
                 waiting.finish(status, GoalResult(0, reason))
 
-    def hold(self, receipt: Receipt | None = None, *, is_void: bool = False) -> None:
+    def hold(
+        self, ticket: CommandTicket | None = None, *, is_void: bool = False
+    ) -> None:
         """Let the next cycle end the motion and hold. Any thread; takes no lock.
 
         Args:
-            receipt: Notes the cycle that takes the request.
+            ticket: Notes the cycle that takes the request.
             is_void: Whether earlier commands count no longer, because of a stop, a
                 reset or a recovery: the joints hold where they are.
         """
-        self.requests.append(Request(None, None, receipt, is_void))
+        self.requests.append(Request(None, None, ticket, is_void))
 
     def advance(self, time: float, period: float) -> None:
         """Compute the desired states and the errors of the present cycle.
@@ -563,8 +565,8 @@ class TrajectoryExecution:
         else:
             self._follow(_timely(request.trajectory, self.trajectory, now))
         self._supervision.begin_goal(request.goal, now, self.trajectory)
-        if request.receipt is not None:
-            request.receipt.pick_up()
+        if request.ticket is not None:
+            request.ticket.accept()
 
     def _follow(self, trajectory: SegmentTrajectory) -> None:
         """Execute `trajectory` from now on; a planner frees the old one."""

@@ -27,8 +27,8 @@ from station.controllers.joint_trajectory_controller.planning import (
 from station.core.control.controller import TrajectoryPort
 from station.core.errors import ControllerStateError, InvalidTrajectoryError
 from station.core.numerics.poses import pose_of
+from station.core.ports.command_ticket import CommandTicket
 from station.core.ports.goal import Goal, GoalPort
-from station.core.ports.receipt import Receipt
 from station.core.trajectory import (
     JointTolerances,
     JointTrajectory,
@@ -90,13 +90,13 @@ class FollowJointTrajectoryPort(GoalPort):
 
     @override
     def submit(
-        self, request: Mapping[str, object], receipt: Receipt | None = None
+        self, request: Mapping[str, object], ticket: CommandTicket | None = None
     ) -> Goal:
         """Check a follow_joint_trajectory goal and let it replace the present one.
 
         Args:
             request: See `parse_goal`.
-            receipt: Notes the cycle that takes the goal.
+            ticket: Notes the cycle that takes the goal.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -104,16 +104,18 @@ class FollowJointTrajectoryPort(GoalPort):
                 `details["error_code"]` is the error code of the action's result.
         """
         try:
-            return self._accept(request, receipt)
+            return self._accept(request, ticket)
         except InvalidTrajectoryError as error:
             error.details["error_code"] = int(error_code_of(error))
             raise
 
-    def _accept(self, request: Mapping[str, object], receipt: Receipt | None) -> Goal:
+    def _accept(
+        self, request: Mapping[str, object], ticket: CommandTicket | None
+    ) -> Goal:
         ends: list[float] = []
         wanted = parse_goal(request, lambda message: self._follow(message, ends))
         self._check_tolerances([*wanted.path_tolerance, *wanted.goal_tolerance])
-        goal = self.new_goal(request, receipt)
+        goal = self.new_goal(request, ticket)
         bounds = updated_tolerances(
             self._tolerances,
             wanted.path_tolerance,
@@ -128,7 +130,7 @@ class FollowJointTrajectoryPort(GoalPort):
                     ends, goal.progress * ends[-1], hi=len(ends) - 1
                 ),
             }
-        self._planner.plan(wanted.trajectory, goal, bounds, receipt)
+        self._planner.plan(wanted.trajectory, goal, bounds, ticket)
         self.remember(goal)
         return goal
 
@@ -200,13 +202,13 @@ class JointTrajectoryPort(TrajectoryPort):
 
     @override
     def follow_trajectory(
-        self, request: Mapping[str, object], receipt: Receipt | None = None
+        self, request: Mapping[str, object], ticket: CommandTicket | None = None
     ) -> None:
         """Replace the trajectory being executed.
 
         Args:
             request: See `parse_trajectory`; without points: stop and hold.
-            receipt: Notes the cycle that takes the trajectory.
+            ticket: Notes the cycle that takes the trajectory.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -214,11 +216,11 @@ class JointTrajectoryPort(TrajectoryPort):
         """
         trajectory = parse_trajectory(request)
         self._check_running()
-        self._planner.plan(trajectory, receipt=receipt)
+        self._planner.plan(trajectory, ticket=ticket)
 
     @override
-    def hold(self, receipt: Receipt | None = None) -> None:
-        self._planner.execution.hold(receipt)
+    def hold(self, ticket: CommandTicket | None = None) -> None:
+        self._planner.execution.hold(ticket)
 
     @override
     def query_state(self, time: float) -> PosVelAccState:

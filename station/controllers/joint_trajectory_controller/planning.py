@@ -19,8 +19,8 @@ from station.controllers.joint_trajectory_controller.execution import (
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.errors import InvalidTrajectoryError
+from station.core.ports.command_ticket import CommandTicket
 from station.core.ports.goal import Goal
-from station.core.ports.receipt import Receipt
 from station.core.ports.set_point import RANGE_TOLERANCE
 from station.core.trajectory import (
     JointTolerances,
@@ -109,7 +109,7 @@ class TrajectoryPlanner:
         request: JointTrajectory,
         goal: Goal | None = None,
         tolerances: Mapping[str, JointTolerances] | None = None,
-        receipt: Receipt | None = None,
+        ticket: CommandTicket | None = None,
     ) -> None:
         """Plan a request and let the next cycle take it up.
 
@@ -118,7 +118,7 @@ class TrajectoryPlanner:
             goal: The goal that ends with the trajectory. The request of a goal names
                 the joints even when it has no points.
             tolerances: Bounds of the errors by joint, used with a goal.
-            receipt: Notes the cycle that takes the request.
+            ticket: Notes the cycle that takes the request.
 
         Raises:
             InvalidTrajectoryError: The request cannot be followed; nothing changed.
@@ -128,18 +128,18 @@ class TrajectoryPlanner:
             self.execution.retired.clear()
             planned = None
             if request.points:
-                planned = self._planned(request, goal, tolerances, receipt)
+                planned = self._planned(request, goal, tolerances, ticket)
             elif goal is not None:
                 check_joint_names(
                     request.joint_names,
                     self._names,
                     allow_partial_joints_goal=self._allow_partial,
                 )
-            made = Request(planned, goal, receipt)
-            if receipt is None:
+            made = Request(planned, goal, ticket)
+            if ticket is None:
                 self.execution.requests.append(made)
             else:
-                receipt.hand_over(lambda: self.execution.requests.append(made))
+                ticket.hand_over(lambda: self.execution.requests.append(made))
 
     def query(self, time: float) -> PosVelAccState:
         """Return the desired state at a past or future time. Any thread.
@@ -192,7 +192,7 @@ class TrajectoryPlanner:
         request: JointTrajectory,
         goal: Goal | None,
         tolerances: Mapping[str, JointTolerances] | None,
-        receipt: Receipt | None,
+        ticket: CommandTicket | None,
     ) -> SegmentTrajectory | None:
         """Return the trajectory of a request; None to hold, if all joints are there.
 
@@ -200,8 +200,8 @@ class TrajectoryPlanner:
             InvalidTrajectoryError: The request cannot be followed.
         """
         present = self._present()
-        if receipt is not None:
-            receipt.planned_at = present.time
+        if ticket is not None:
+            ticket.planned_at = present.time
         check_times(request, present.time)
         request, tolerances = self._stays(request, tolerances, present)
         passed = to_nanoseconds(present.period * self.execution.speed.factor)

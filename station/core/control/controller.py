@@ -24,8 +24,8 @@ from station.core.hardware.interfaces.resource_manager import (
 )
 from station.core.hardware.robot_hw import InterfaceResources, RobotHW
 from station.core.parameters import Parameters
+from station.core.ports.command_ticket import CommandTicket
 from station.core.ports.goal import GoalPort  # noqa: TC001 - a native attribute
-from station.core.ports.receipt import Receipt
 from station.core.ports.set_point import SetPointPort  # noqa: TC001 - a native attribute
 from station.core.trajectory.quintic_spline_segment import PosVelAccState
 from station.reports import AsyncStatistics, Percentiles
@@ -46,24 +46,24 @@ class TrajectoryPort(ABC):
 
     @abstractmethod
     def follow_trajectory(
-        self, request: Mapping[str, object], receipt: Receipt | None = None
+        self, request: Mapping[str, object], ticket: CommandTicket | None = None
     ) -> None:
         """Check a trajectory and let it replace the present one.
 
         Args:
             request: The message as JSON-compatible values.
-            receipt: Notes the cycle that takes the trajectory.
+            ticket: Notes the cycle that takes the trajectory.
 
         Raises:
             StationError: The trajectory cannot be followed; nothing changed.
         """
 
     @abstractmethod
-    def hold(self, receipt: Receipt | None = None) -> None:
+    def hold(self, ticket: CommandTicket | None = None) -> None:
         """End the motion in the next cycle and hold the joints.
 
         Args:
-            receipt: Notes the cycle that takes the request.
+            ticket: Notes the cycle that takes the request.
         """
 
     @abstractmethod
@@ -213,9 +213,9 @@ class PackedSample(ControllerSample):
 
     def column(self, index: int) -> list[float]:
         """Return a column, shape (n,), also one that the controller added."""
-        return self.rest(index)[: self.size]
+        return self.tail(index)[: self.size]
 
-    def rest(self, index: int) -> list[float]:
+    def tail(self, index: int) -> list[float]:
         """Return the numbers of a column and of all columns after it."""
         first = index * self.size
         return [*memoryview(self.packed).cast("d")[first:]]

@@ -364,8 +364,8 @@ class ControllerUpdate:
             # A switch that was posted between two cycles counts from the cycle before.
             if pending.time is None:
                 pending.time = time - period
-            if pending.request.receipt is not None:
-                pending.request.receipt.pick_up()
+            if pending.request.ticket is not None:
+                pending.request.ticket.accept()
             transaction = self.transaction = SwitchTransaction(self.lifecycle, pending)
         with self.changes:
             if not transaction.advance(time):

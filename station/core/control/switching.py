@@ -15,7 +15,7 @@ from typing import NamedTuple
 from station.core.control.controller import ControllerState
 from station.core.errors import ResourceConflictError, SwitchRefusedError, suggest
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 
 
 class Strictness(Enum):
@@ -79,7 +79,7 @@ class SwitchRequest:
         dry_run: Only return the plan.
         zero_period: Update each started controller once with a period of zero, in the
             cycle in which it is started, as after a recovery.
-        receipt: Notes the cycle in which the switch begins.
+        ticket: Notes the cycle in which the switch begins.
     """
 
     start: Sequence[str] = ()
@@ -90,7 +90,7 @@ class SwitchRequest:
     bound: float | None = SWITCH_BOUND
     dry_run: bool = False
     zero_period: bool = False
-    receipt: Receipt | None = field(default=None, compare=False)
+    ticket: CommandTicket | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

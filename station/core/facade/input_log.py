@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from station.core.loop.control_loop import ControlLoop
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 from station.reports import LoopState
 
 CAPACITY = 10_000
@@ -71,7 +71,9 @@ class InputLog:
         cycle = self._loop.cycle - (1 if running else 0)
         self._add(kind, arguments, lambda: cycle)
 
-    def note_command(self, kind: str, receipt: Receipt, **arguments: object) -> None:
+    def note_command(
+        self, kind: str, ticket: CommandTicket, **arguments: object
+    ) -> None:
         """Note a command, which a later cycle may pick up.
 
         If the command was planned, the input names the station time from which it was
@@ -79,13 +81,13 @@ class InputLog:
         """
 
         def after() -> int | None:
-            return None if receipt.cycle is None else receipt.cycle - 1
+            return None if ticket.accepted_cycle is None else ticket.accepted_cycle - 1
 
         def until() -> int | None:
-            return None if receipt.ended is None else receipt.ended - 1
+            return None if ticket.ended is None else ticket.ended - 1
 
-        if receipt.planned_at is not None:
-            arguments["planned_at"] = receipt.planned_at
+        if ticket.planned_at is not None:
+            arguments["planned_at"] = ticket.planned_at
         self._add(kind, arguments, after, until)
 
     def note_stop(self, reason: str) -> None:

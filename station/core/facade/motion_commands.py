@@ -19,13 +19,13 @@ from station.core.errors import (
 )
 from station.core.facade.input_log import InputLog
 from station.core.loop.control_loop import ControlLoop
+from station.core.ports.command_ticket import CommandTicket
 from station.core.ports.goal import Goal, GoalPort
-from station.core.ports.receipt import Receipt
 from station.core.ports.set_point import SetPoint, SetPointPort
 from station.core.trajectory import PosVelAccState
-from station.reports import Clearance, LoopState
+from station.reports import Clearance
 
-_PICK_UP = 0.02
+_ACCEPTANCE = 0.02
 """Time within which a running loop should pick a command up [s]."""
 
 
@@ -64,22 +64,22 @@ class MotionCommands:
         values = None if last is None else tuple(last[:size])
         return SetPoint(tuple(port.elements), values)
 
-    def receipt(self) -> Receipt:
-        """Return a new receipt, which goes with a command and then to `wait_for`."""
-        return Receipt(lambda: self.loop.cycle)
+    def ticket(self) -> CommandTicket:
+        """Return a new ticket, which goes with a command and then to `wait_for`."""
+        return CommandTicket(lambda: self.loop.cycle)
 
-    def wait_for(self, receipt: Receipt) -> int | None:
-        """Return the cycle that picked a command up; None if no cycle does so soon.
+    def wait_for(self, ticket: CommandTicket) -> int | None:
+        """Return the cycle that accepted a command; None if no cycle does so soon.
 
         No cycle does while the simulation is paused, or if a newer command has replaced
         this one.
         """
         loop = self.loop
-        # A loop that does not run, or is stepped, picks up nothing during this wait.
-        if loop.state is LoopState.RUNNING and not loop.pace.paused:
-            deadline = loop.clock.now() + max(_PICK_UP, 4.0 * loop.period)
-            loop.clock.wait_for(receipt.done, deadline)
-        return receipt.cycle
+        # A loop that does not run, or is stepped, accepts nothing during this wait.
+        if loop.advances:
+            deadline = loop.clock.now() + max(_ACCEPTANCE, 4.0 * loop.period)
+            loop.clock.wait_for(ticket.done, deadline)
+        return ticket.accepted_cycle
 
     def set_command(
         self,
@@ -88,7 +88,7 @@ class MotionCommands:
         epoch: int | None = None,
         timeout: float | None = None,
         rates: list[float] | None = None,
-        receipt: Receipt | None = None,
+        ticket: CommandTicket | None = None,
     ) -> int:
         """Give a running controller a new set-point; return the epoch it belongs to.
 
@@ -103,7 +103,7 @@ class MotionCommands:
                 None takes the controller's own timeout.
             rates: Rate of change of each element; only for controllers that use rates
                 as a feed-forward.
-            receipt: Notes the cycle that takes the set-point.
+            ticket: Notes the cycle that takes the set-point.
 
         Raises:
             ControllerNotFoundError: No such controller is loaded.
@@ -127,11 +127,11 @@ class MotionCommands:
         whole = self._whole(name, port, values)
         port.check(whole, timeout, rates)
         present = self._check_may_move(name, epoch)
-        receipt = receipt or self.receipt()
+        ticket = ticket or self.ticket()
         # A stop or reset in between changes the generation and voids the set-point.
-        port.post([*whole, *(rates or [])], timeout, generation, receipt)
+        port.post([*whole, *(rates or [])], timeout, generation, ticket)
         self._inputs.note_command(
-            "set_point", receipt, name=name, values=whole, timeout=timeout, rates=rates
+            "set_point", ticket, name=name, values=whole, timeout=timeout, rates=rates
         )
         return present
 
@@ -202,9 +202,9 @@ class MotionCommands:
             ControllerNotFoundError: No such controller is loaded.
             InvalidCommandError: The controller takes no trajectories.
         """
-        receipt = self.receipt()
-        self._trajectory_port(name).hold(receipt)
-        self._inputs.note_command("hold_trajectory", receipt, name=name)
+        ticket = self.ticket()
+        self._trajectory_port(name).hold(ticket)
+        self._inputs.note_command("hold_trajectory", ticket, name=name)
 
     def submit_goal(
         self,
@@ -212,7 +212,7 @@ class MotionCommands:
         request: Mapping[str, object],
         epoch: int | None = None,
         admit: Callable[[], None] = _anybody,
-        receipt: Receipt | None = None,
+        ticket: CommandTicket | None = None,
     ) -> Goal:
         """Give a running controller a goal; it replaces the active goal.
 
@@ -222,7 +222,7 @@ class MotionCommands:
             epoch: The epoch in which the caller decided; None takes the present one.
             admit: Called before the goal is planned and afterwards; raises a
                 StationError when the caller may not move the robot.
-            receipt: Notes the cycle that takes the goal.
+            ticket: Notes the cycle that takes the goal.
 
         Raises:
             ControllerNotFoundError: No such controller is loaded.
@@ -239,10 +239,10 @@ class MotionCommands:
         port = self._goal_port(name)
         admit()
         present = self._check_may_move(name, epoch)
-        receipt = receipt or self.receipt()
-        goal = port.submit(request, receipt)
+        ticket = ticket or self.ticket()
+        goal = port.submit(request, ticket)
         goal.explain = self._watch_guards()
-        self._inputs.note_command("goal", receipt, name=name, request=request)
+        self._inputs.note_command("goal", ticket, name=name, request=request)
         try:
             # Ask again: control may have changed hands, or a stop may have come, since
             # the goal was admitted.
@@ -320,14 +320,14 @@ class MotionCommands:
         self, name: str, goal: Goal, goals: list[Goal], reason: str | None = None
     ) -> bool:
         """Ask a goal to end; return whether it had not ended yet."""
-        receipt = self.receipt()
+        ticket = self.ticket()
         if goal.ended is None:
-            goal.ended = receipt
+            goal.ended = ticket
         if not goal.ask_to_end(reason):
             return False
         # Goals have other identifiers in a re-run, so the place in the list is noted.
         behind = goals[::-1].index(goal) if goal in goals else 0
-        self._inputs.note_command("cancel_goal", receipt, name=name, behind=behind)
+        self._inputs.note_command("cancel_goal", ticket, name=name, behind=behind)
         return True
 
     def follow_trajectory(
@@ -335,7 +335,7 @@ class MotionCommands:
         name: str,
         request: Mapping[str, object],
         epoch: int | None = None,
-        receipt: Receipt | None = None,
+        ticket: CommandTicket | None = None,
         admit: Callable[[], None] = _anybody,
     ) -> int:
         """Let a running controller follow a trajectory without a goal.
@@ -344,7 +344,7 @@ class MotionCommands:
             name: The controller.
             request: The trajectory message.
             epoch: The epoch in which the caller decided; None takes the present one.
-            receipt: Notes the cycle that takes the trajectory.
+            ticket: Notes the cycle that takes the trajectory.
             admit: Called before the trajectory is planned and afterwards; raises a
                 StationError when the caller may not move the robot.
 
@@ -365,9 +365,9 @@ class MotionCommands:
         port = self._trajectory_port(name)
         admit()
         present = self._check_may_move(name, epoch)
-        receipt = receipt or self.receipt()
-        port.follow_trajectory(request, receipt)
-        self._inputs.note_command("trajectory", receipt, name=name, request=request)
+        ticket = ticket or self.ticket()
+        port.follow_trajectory(request, ticket)
+        self._inputs.note_command("trajectory", ticket, name=name, request=request)
         try:
             admit()
             self._check_may_move(name, present)

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from station.core.control.hardware_components import ComponentState
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.facade.station import Station
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 
 Arguments: TypeAlias = Mapping[str, Any]
 """The arguments of an input, as JSON-compatible values."""
@@ -37,7 +37,7 @@ def carry_out(station: Station, kind: str, one: Arguments) -> bool:
 
 
 def carry_out_plan(
-    station: Station, kind: str, one: Arguments, receipt: Receipt | None = None
+    station: Station, kind: str, one: Arguments, ticket: CommandTicket | None = None
 ) -> bool:
     """Carry out an input that is planned first and taken up by a later cycle.
 
@@ -45,7 +45,7 @@ def carry_out_plan(
         station: The station.
         kind: Kind of the input.
         one: Its arguments.
-        receipt: Notes the cycle that takes the plan.
+        ticket: Notes the cycle that takes the plan.
 
     Returns:
         Whether inputs of this kind are planned.
@@ -54,9 +54,9 @@ def carry_out_plan(
         StationError: The station refuses the input; nothing changed.
     """
     if kind == "goal":
-        station.motion.submit_goal(one["name"], one["request"], receipt=receipt)
+        station.motion.submit_goal(one["name"], one["request"], ticket=ticket)
     elif kind == "trajectory":
-        station.motion.follow_trajectory(one["name"], one["request"], receipt=receipt)
+        station.motion.follow_trajectory(one["name"], one["request"], ticket=ticket)
     else:
         return False
     return True

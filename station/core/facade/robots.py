@@ -23,7 +23,7 @@ from station.core.hardware.services import (
     find_services,
 )
 from station.core.loop.control_loop import ControlLoop
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 
 T = TypeVar("T")
 ServicesT = TypeVar("ServicesT", bound=RobotServices)
@@ -243,10 +243,10 @@ class Robots:
     def _start_again(self, names: tuple[str, ...]) -> tuple[str, ...]:
         if not names:
             return ()
-        receipt = Receipt(lambda: self._loop.cycle)
-        request = SwitchRequest(names, (), zero_period=True, receipt=receipt)
+        ticket = CommandTicket(lambda: self._loop.cycle)
+        request = SwitchRequest(names, (), zero_period=True, ticket=ticket)
         self._inputs.note_command(
-            "switch", receipt, start=names, stop=(), zero_period=True
+            "switch", ticket, start=names, stop=(), zero_period=True
         )
         return self._manager.switch_controller(request).started
 
@@ -257,7 +257,7 @@ class Robots:
             ArmCommandError: The robot does not come to rest.
         """
         for _ in range(_LONGEST_RECOVERY):
-            if not robot.is_recovering() or self._loop.pace.paused:
+            if not robot.is_recovering() or self._loop.speed.paused:
                 return
             # Without a control thread the caller runs the cycles itself.
             if self._manager.pump is not None:

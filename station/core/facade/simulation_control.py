@@ -1,4 +1,4 @@
-"""Pause, step, reset and the pace of a simulated robot, for any thread.
+"""Pause, step, reset and the speed of a simulated robot, for any thread.
 
 Controllers stay loaded and running; commands from before a reset are void.
 """
@@ -11,7 +11,7 @@ from station.core.facade.input_log import InputLog
 from station.core.hardware.limits import JointLimits
 from station.core.hardware.robot_hw import SimulatedWorld
 from station.core.loop.control_loop import ControlLoop
-from station.core.loop.pace import check_real_time_factor
+from station.core.loop.simulation_speed import check_real_time_factor
 from station.reports import LoopState, Simulation
 
 MOST_STEPS = 10_000
@@ -23,7 +23,7 @@ _GRACE = 2.0
 
 
 class SimulationControl:
-    """Controls the pace of one loop and the world of its robot.
+    """Controls the speed of one loop and the world of its robot.
 
     Every method but `find` refuses a robot that is not simulated.
 
@@ -41,12 +41,12 @@ class SimulationControl:
         """Return the state of the simulation; None if the robot is real."""
         if self._world is None:
             return None
-        time, pace = self._world.time(), self._loop.pace
+        time, speed = self._world.time(), self._loop.speed
         return Simulation(
-            pace.paused,
-            pace.real_time_factor,
+            speed.paused,
+            speed.real_time_factor,
             time,
-            pace.steps_due,
+            speed.steps_due,
             tuple(self._world.keyframes()),
         )
 
@@ -77,18 +77,18 @@ class SimulationControl:
         self.report()
         if real_time_factor is not None:
             check_real_time_factor(real_time_factor)
-        pace = self._loop.pace
+        speed = self._loop.speed
 
         def apply() -> None:
             if real_time_factor is not None and real_time_factor != (
-                pace.real_time_factor
+                speed.real_time_factor
             ):
-                pace.real_time_factor = real_time_factor
+                speed.real_time_factor = real_time_factor
                 self._loop.begin_statistics()
             if paused:
-                pace.paused = True
+                speed.paused = True
             elif paused is not None:
-                pace.resume()
+                speed.resume()
 
         self._loop.run_in_cycle(apply)
         return self.report()
@@ -114,20 +114,20 @@ class SimulationControl:
                 remedy="Step several times, or resume the simulation.",
                 details={"n": cycles},
             )
-        loop, pace = self._loop, self._loop.pace
+        loop, speed = self._loop, self._loop.speed
 
         def begin() -> None:
-            if not pace.paused:
+            if not speed.paused:
                 raise SimulationError(
                     "The simulation is not paused.",
                     remedy="Pause the simulation first.",
                 )
-            pace.steps_due += cycles
+            speed.steps_due += cycles
 
         loop.run_in_cycle(begin)
         if loop.state is not LoopState.RUNNING:
-            loop.step(pace.steps_due)
-            pace.steps_due = 0
+            loop.step(speed.steps_due)
+            speed.steps_due = 0
             return self.report()
         self._wait_for_steps(cycles)
         return self.report()
@@ -209,15 +209,15 @@ class SimulationControl:
                 )
 
     def _wait_for_steps(self, cycles: int) -> None:
-        loop, pace = self._loop, self._loop.pace
-        wall = cycles * loop.period / pace.real_time_factor
+        loop, speed = self._loop, self._loop.speed
+        wall = cycles * loop.period / speed.real_time_factor
         deadline = loop.clock.now() + 2.0 * wall + _GRACE
-        while pace.steps_due > 0 and loop.clock.now() < deadline:
+        while speed.steps_due > 0 and loop.clock.now() < deadline:
             loop.check_alive()
             loop.clock.sleep_until(loop.clock.now() + _WAKE)
-        if pace.steps_due > 0:
+        if speed.steps_due > 0:
             raise SimulationError(
-                f"{pace.steps_due} cycles of the step have not run yet.",
+                f"{speed.steps_due} cycles of the step have not run yet.",
                 remedy="The loop may be late, or another client may be stepping, too; "
                 "look at the report of the loop.",
             )

@@ -440,17 +440,17 @@ class Station:
             self.loop.stop_latch.check()
         if request.dry_run:
             return self.manager.switch_controller(request)
-        receipt = request.receipt or self.motion.receipt()
+        ticket = request.ticket or self.motion.ticket()
         self.inputs.note_command(
             "switch",
-            receipt,
+            ticket,
             start=tuple(request.start),
             stop=tuple(request.stop),
             strictness=request.strictness.value,
             start_asap=request.start_asap,
             timeout=request.timeout,
         )
-        return self.manager.switch_controller(replace(request, receipt=receipt))
+        return self.manager.switch_controller(replace(request, ticket=ticket))
 
     def set_hardware_component_state(
         self, name: str, state: ComponentState, *, stop_controllers: bool = False

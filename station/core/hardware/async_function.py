@@ -22,7 +22,7 @@ from station.core.declared_parameter import (
 from station.core.errors import CONTAINED
 from station.core.numerics.durations import DurationRing
 from station.core.parameters import Parameters
-from station.core.ports.receipt import update_of_thread
+from station.core.ports.command_ticket import update_of_thread
 from station.core.scheduling import ROUND_ROBIN_PRIORITY
 from station.memory.wall_time import wall_time
 from station.reports import AsyncStatistics

@@ -24,10 +24,10 @@ from station.core.errors import CONTAINED, LoopError, trace_of_fault
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.hardware.robot_hw import RobotClock, RobotHW
 from station.core.loop.control_cycle import ControlCycle
+from station.core.loop.cycle_yield import CycleYield
 from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.operations import Operations, guarded
-from station.core.loop.pace import Pace
-from station.core.loop.right_of_way import RightOfWay
+from station.core.loop.simulation_speed import SimulationSpeed
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
 from station.core.numerics.durations import CycleTimes, DurationRing, percentiles_of
@@ -156,10 +156,10 @@ class ControlLoop:
     Attributes:
         control_cycle: Runs the cycles, and operations between them.
         stop_latch: The latched stop; carried out between two cycles.
-        pace: Whether and how fast station time passes in the thread.
+        speed: Whether and how fast station time passes in the thread.
         heartbeat: Page with the time of every wake-up, in which a watchdog asks for a
             stop.
-        right_of_way: Tells other threads when to wait for the control thread.
+        cycle_yield: Tells other threads when to wait for the control thread.
 
     Raises:
         ParameterError: The real-time factor is out of range.
@@ -181,11 +181,11 @@ class ControlLoop:
         self.manager = manager
         self.clock = clock
         self.period = period
-        self.pace = Pace(real_time_factor)
+        self.speed = SimulationSpeed(real_time_factor)
         self.snapshots = snapshots or SnapshotRing()
         self.stop_latch = StopLatch()
         self.heartbeat = heartbeat or Heartbeat()
-        self.right_of_way = RightOfWay(clock, self.heartbeat, period, self.pace)
+        self.cycle_yield = CycleYield(clock, self.heartbeat, period, self.speed)
         interface = hw.get(JointStateInterface)
         self._robot_clock = hw.robot_clock()
         self._joints = JointStateGroup(interface.handles() if interface else [])
@@ -246,6 +246,11 @@ class ControlLoop:
     def state(self) -> LoopState:
         """Return the state of the thread: running, stopped, or dead."""
         return self._state
+
+    @property
+    def advances(self) -> bool:
+        """True while the thread makes cycles by itself: it runs and is not paused."""
+        return self._state is LoopState.RUNNING and not self.speed.paused
 
     def start(self) -> None:
         """Run in a thread of its own until `stop`.
@@ -313,14 +318,14 @@ class ControlLoop:
             if isinstance(self.clock, ManualClock):
                 self.clock.advance(tick)
             late = self._take_late_cycles()
-            self._meter.woke(late * self.period / self.pace.real_time_factor, late)
+            self._meter.woke(late * self.period / self.speed.real_time_factor, late)
             # A cycle that a test makes late has the period of a late thread's cycle.
             control_cycle.run_cycle((1 + late) * self.period)
 
     def wait_between_cycles(self) -> None:
         """Wait until a cycle has just ended; return at once without a thread."""
         if self._thread is not None:
-            self.right_of_way.wait_for_begun_cycle()
+            self.cycle_yield.wait_for_begun_cycle()
 
     def go_on_without_thread(self) -> bool:
         """Continue by steps, in a copy of the process that lacks the thread.
@@ -386,7 +391,7 @@ class ControlLoop:
             state=self._state,
             failure=self._failure,
             period=self.period,
-            real_time_factor=self.pace.real_time_factor,
+            real_time_factor=self.speed.real_time_factor,
             scheduler=self._scheduler,
         )
 
@@ -453,21 +458,21 @@ class ControlLoop:
         if self._robot_clock is not None:
             self._run_at_the_pace_of(self._robot_clock)
             return
-        pace, beats = self.pace, self.heartbeat.beats
-        deadline = self.clock.now() + self.period / pace.real_time_factor
+        speed, beats = self.speed, self.heartbeat.beats
+        deadline = self.clock.now() + self.period / speed.real_time_factor
         while not self._stopping:
-            factor = pace.real_time_factor
+            factor = speed.real_time_factor
             wall_period = self.period / factor
             let_others_in()
             # During a pause, late cycles are kept for the first cycle after it.
-            late = 0 if pace.paused else self._take_late_cycles()
+            late = 0 if speed.paused else self._take_late_cycles()
             wake = deadline + late * wall_period
             # A long sleep would keep a stop waiting.
             if (1 + late) * wall_period > SLICE:
                 self._sleep_in_slices(wake)
-                if self._stopping or pace.real_time_factor != factor:
+                if self._stopping or speed.real_time_factor != factor:
                     # The deadline was computed with the factor of before.
-                    deadline = self.clock.now() + self.period / pace.real_time_factor
+                    deadline = self.clock.now() + self.period / speed.real_time_factor
                     continue
             else:
                 self.clock.sleep_until(wake)
@@ -479,10 +484,10 @@ class ControlLoop:
             # Missed cycles are skipped, not made up for: a burst would hit the robot
             # with old commands.
             skipped = int(lateness / wall_period)
-            if not pace.passes():
+            if not speed.passes():
                 self.control_cycle.run_standstill()
                 self._meter.idled()
-            elif pace.paused:
+            elif speed.paused:
                 # A step has the nominal period, however late it is.
                 self.control_cycle.run_cycle(self.period)
             else:
@@ -516,9 +521,9 @@ class ControlLoop:
                 self.control_cycle.run_standstill()
 
     def _sleep_in_slices(self, deadline: float) -> None:
-        """Sleep until `deadline`, the end of the loop, or a change of the pace."""
-        clock, pace = self.clock, self.pace
-        factor, now = pace.real_time_factor, clock.now()
+        """Sleep until `deadline`, the end of the loop, or a change of the speed."""
+        clock, speed = self.clock, self.speed
+        factor, now = speed.real_time_factor, clock.now()
         while now < deadline and not self._stopping:
             clock.sleep_until(min(deadline, now + SLICE))
             now = clock.now()
@@ -527,5 +532,5 @@ class ControlLoop:
                 # Only a simulated world is slowed down, and stands still between its
                 # cycles. A real robot is read once per cycle at any rate.
                 self.control_cycle.run_standstill()
-            if pace.real_time_factor != factor:
+            if speed.real_time_factor != factor:
                 return

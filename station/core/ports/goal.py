@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from station.core.errors import ControllerStateError, GoalNotFoundError
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 
 _KEPT_GOALS = 50
 
@@ -55,7 +55,7 @@ class Goal:
         result: How the goal ended; None until then.
         cancel_requested: Whether the goal was asked to end.
         cancel_reason: Why it was asked to end, in one sentence.
-        receipt: Notes the cycle in which the controller takes the goal; None if that
+        ticket: Notes the cycle in which the controller takes the goal; None if that
             cycle is noted nowhere.
         ended: Notes the cycle in which the goal ends on request; None if that cycle is
             noted nowhere.
@@ -73,8 +73,8 @@ class Goal:
         self.result: GoalResult | None = None
         self.cancel_requested = False
         self.cancel_reason = "The goal was cancelled."
-        self.receipt: Receipt | None = None
-        self.ended: Receipt | None = None
+        self.ticket: CommandTicket | None = None
+        self.ended: CommandTicket | None = None
         self.feedback: Callable[[], Mapping[str, object]] = dict
         self.explain: Callable[[], str] = str
 
@@ -91,7 +91,7 @@ class Goal:
         self.result = result
         self.status = status
         if self.ended is not None and status is GoalStatus.PREEMPTED:
-            self.ended.pick_up()
+            self.ended.accept()
 
     def ask_to_end(self, reason: str | None = None) -> bool:
         """Ask the controller to end the goal in its next cycle. Callable in any thread.
@@ -146,13 +146,13 @@ class GoalPort(ABC):
 
     @abstractmethod
     def submit(
-        self, request: Mapping[str, object], receipt: Receipt | None = None
+        self, request: Mapping[str, object], ticket: CommandTicket | None = None
     ) -> Goal:
         """Check a request and hand it to the controller.
 
         Args:
             request: The goal message of the action as JSON-compatible values.
-            receipt: Notes the cycle that takes the goal.
+            ticket: Notes the cycle that takes the goal.
 
         Returns:
             The accepted goal; the controller takes it up in its next cycle.
@@ -211,13 +211,13 @@ class GoalPort(ABC):
             goal.finish(GoalStatus.ABORTED, GoalResult(0, reason))
 
     def new_goal(
-        self, request: Mapping[str, object], receipt: Receipt | None = None
+        self, request: Mapping[str, object], ticket: CommandTicket | None = None
     ) -> Goal:
         """Return a goal with a new name, which `goals` does not list yet.
 
         Args:
             request: The goal message.
-            receipt: Notes the cycle that takes the goal.
+            ticket: Notes the cycle that takes the goal.
 
         Raises:
             ControllerStateError: The controller is not running.
@@ -230,7 +230,7 @@ class GoalPort(ABC):
         self._count += 1
         goal = Goal(str(self._count), request)
         goal.feedback = self._feedback
-        goal.receipt = receipt
+        goal.ticket = ticket
         return goal
 
     def remember(self, goal: Goal) -> None:

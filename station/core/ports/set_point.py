@@ -19,7 +19,7 @@ from station.core.errors import (
     refuse_non_number,
 )
 from station.core.parameters import Parameters
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 from station.memory.doubles import put, zeros
 
 RANGE_TOLERANCE = 1e-4
@@ -100,13 +100,13 @@ class SetPointPort:
         self.last: list[float] | None = None
         # Appending and popping are atomic, so that no set-point is lost without a lock.
         # Without values, the entry lets the set-point in force expire.
-        self._slot: deque[tuple[list[float] | None, float, int, Receipt | None]] = (
-            deque(maxlen=1)
-        )
+        self._slot: deque[
+            tuple[list[float] | None, float, int, CommandTicket | None]
+        ] = deque(maxlen=1)
         self.is_void = False
         self.deadline = inf
         self.generation = 0
-        self._in_force: Receipt | None = None
+        self._in_force: CommandTicket | None = None
         # The set-point posted last and its generation; None once it is not in force.
         self._newest: tuple[list[float], int] | None = None
 
@@ -170,7 +170,7 @@ class SetPointPort:
         values: list[float],
         timeout: float | None = None,
         generation: int | None = None,
-        receipt: Receipt | None = None,
+        ticket: CommandTicket | None = None,
     ) -> None:
         """Put a checked set-point into the slot; an older one there is replaced.
 
@@ -180,14 +180,14 @@ class SetPointPort:
                 timeout.
             generation: The generation in which the sender decided on the set-point,
                 which is dropped if the generation is over. None takes the present one.
-            receipt: Notes the cycle that takes the set-point.
+            ticket: Notes the cycle that takes the set-point.
         """
         limit = self.timeout if timeout is None else timeout
         deadline = self.clock.now() + limit if limit > 0.0 else inf
         of = self.generation if generation is None else generation
         posted = list(values)
         self._newest = (posted, of)
-        self._slot.append((posted, deadline, of, receipt))
+        self._slot.append((posted, deadline, of, ticket))
 
     def expire(self) -> None:
         """Let the set-point in force expire now, and drop the one in the slot.
@@ -212,16 +212,16 @@ class SetPointPort:
         """Empty the slot and return its set-point, or None. Control thread only."""
         if not self._slot:
             return None
-        values, deadline, generation, receipt = self._slot.pop()
+        values, deadline, generation, ticket = self._slot.pop()
         if generation != self.generation:
             return None
         if values is None:
             if self.last is not None:
                 self.deadline = deadline
             return None
-        self.last, self.deadline, self._in_force = values, deadline, receipt
-        if receipt is not None:
-            receipt.pick_up()
+        self.last, self.deadline, self._in_force = values, deadline, ticket
+        if ticket is not None:
+            ticket.accept()
         return self.last
 
     def take_expiry(self) -> bool:

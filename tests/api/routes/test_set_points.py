@@ -190,15 +190,15 @@ def test_an_unknown_controller(spring, ask):
 
 def test_a_set_point_under_way_at_a_take_over_does_not_land(spring, station, app):
     control, motion = app.state.services.control, station.motion
-    make_receipt = motion.receipt
+    make_ticket = motion.ticket
 
-    def receipt_and_take_over():
+    def ticket_and_take_over():
         access = Access(Role.OPERATOR)
         control.take(access, None, "Grace", 10.0, force=True, origin=Origin())
-        return make_receipt()
+        return make_ticket()
 
     with spring.control(owner="Ada"):
-        motion.receipt = receipt_and_take_over  # after the first check, before the post
+        motion.ticket = ticket_and_take_over  # after the first check, before the post
         with pytest.raises(ApiError, match="Grace holds control") as refused:
             spring.command("spring", [0.5])
         station.loop.step()

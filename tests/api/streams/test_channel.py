@@ -31,7 +31,7 @@ def station():
 
 def channel_of(station, topic="joint_states", **query):
     request = parse_request(station, topic, query)
-    return open_channel(*request, station.loop.right_of_way)
+    return open_channel(*request, station.loop.cycle_yield)
 
 
 def test_the_kind_of_channel_follows_the_rate(station):
@@ -187,7 +187,9 @@ def test_full_batches_are_shared_by_clients_that_keep_up(station):
 
 def test_a_channel_looks_for_the_control_loop_before_each_client(station, monkeypatch):
     looks = []
-    monkeypatch.setattr(station.loop.right_of_way, "give", lambda: looks.append("look"))
+    monkeypatch.setattr(
+        station.loop.cycle_yield, "wait_if_cycle_is_due", lambda: looks.append("look")
+    )
 
     class Client:
         def __init__(self) -> None:

@@ -13,8 +13,8 @@ from station.core.errors import (
     ParameterError,
     RobotDescriptionError,
 )
+from station.core.ports.command_ticket import CommandTicket
 from station.core.ports.goal import GoalStatus
-from station.core.ports.receipt import Receipt
 
 JOINTS = ["slide", "elbow", "wheel"]
 HOME = (1.0, [0.0, 0.0, 0.0])
@@ -53,7 +53,7 @@ def test_a_goal_is_planned_from_one_cycle_alone(robot, start, make_goal, monkeyp
     controller = start()
     controller.goals.submit(make_goal(AWAY))
     robot.run_with_position(controller, 500)
-    execution, receipt = controller.execution, Receipt(lambda: 0)
+    execution, ticket = controller.execution, CommandTicket(lambda: 0)
     planner = controller.planner
     look = planner._places
 
@@ -64,10 +64,10 @@ def test_a_goal_is_planned_from_one_cycle_alone(robot, start, make_goal, monkeyp
 
     monkeypatch.setattr(planner, "_places", look_while_a_cycle_passes)
     before = execution.moment
-    controller.goals.submit(make_goal(HOME), receipt)
+    controller.goals.submit(make_goal(HOME), ticket)
 
     assert execution.moment != before
-    assert receipt.planned_at == execution.moment[0]
+    assert ticket.planned_at == execution.moment[0]
 
 
 def test_a_trajectory_without_a_goal_is_followed(robot, start):

@@ -9,7 +9,7 @@ from station.core.control.controller import Controller, ControllerState
 from station.core.control.tunables import Tunable, Tunables
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces import EffortJointInterface
-from station.core.ports.receipt import Receipt
+from station.core.ports.command_ticket import CommandTicket
 from station.testing.bench import Bench
 from tests.waiting import PATIENCE, wait_until
 
@@ -25,7 +25,7 @@ class Slow(Controller[EffortJointInterface]):
         self.seen, self.calls = [], []
         self.go, self.begun, self.ended = (threading.Semaphore(0) for _ in range(3))
         self.is_held = False
-        self.error = self.receipt = None
+        self.error = self.ticket = None
         self.gains = []
         self.tunables = Tunables(
             {"gain": Tunable("", 0.0, 9.0, "What it notes.")}, {"gain": 1.0}
@@ -38,8 +38,8 @@ class Slow(Controller[EffortJointInterface]):
             assert self.go.acquire(timeout=PATIENCE)
         self.seen.append((round(time, 6), round(period, 6)))
         self.gains.append(self.tunables.values["gain"])
-        if self.receipt is not None:
-            self.receipt.pick_up()
+        if self.ticket is not None:
+            self.ticket.accept()
         if self.error is not None:
             raise self.error
         self.joint.set_command(self.joint.get_position())
@@ -128,7 +128,7 @@ def test_what_an_update_reads_counts_from_the_cycle_in_which_it_began():
     bench, slow, joints = make()
     bench.manager.pump = None
     slow.is_held = True
-    slow.receipt = Receipt(lambda: bench.manager.cycle)
+    slow.ticket = CommandTicket(lambda: bench.manager.cycle)
     step(bench, [0.01], joints)
     begun = bench.manager.cycle
     assert slow.begun.acquire(timeout=PATIENCE)
@@ -138,7 +138,7 @@ def test_what_an_update_reads_counts_from_the_cycle_in_which_it_began():
     slow.tunables.apply(slow.tunables.checked({"gain": 3.0}))
     slow.go.release()
     assert slow.ended.acquire(timeout=PATIENCE)
-    assert slow.receipt.cycle == begun == bench.manager.cycle - 2
+    assert slow.ticket.accepted_cycle == begun == bench.manager.cycle - 2
     assert slow.gains == [1.0]
     wait_until_idle(bench)
     slow.is_held = False

@@ -63,7 +63,7 @@ def test_statistics_start_anew_on_request(bench):
 class Port(GoalPort):
     """Takes every goal."""
 
-    def submit(self, request, receipt=None):
+    def submit(self, request, ticket=None):
         goal = self.new_goal(request)
         self.remember(goal)
         return goal

@@ -51,9 +51,9 @@ def test_a_goal_is_reached_and_found_again(arm):
 
 def test_the_cycle_that_takes_a_set_point_up_is_noted(station):
     station.switch_controllers(SwitchRequest(start=("group",)))
-    old, new = station.motion.receipt(), station.motion.receipt()
-    station.motion.set_command("group", [0.1, 0.1], receipt=old)
-    station.motion.set_command("group", [0.2, 0.2], receipt=new)
+    old, new = station.motion.ticket(), station.motion.ticket()
+    station.motion.set_command("group", [0.1, 0.1], ticket=old)
+    station.motion.set_command("group", [0.2, 0.2], ticket=new)
     assert station.motion.wait_for(new) is None  # nobody runs the loop
 
     station.loop.step(3)
@@ -63,7 +63,7 @@ def test_the_cycle_that_takes_a_set_point_up_is_noted(station):
         for snapshot in station.snapshots.read_since(0)[0]
         if (sample := snapshot.samples.get("group")) and sample.desired == [0.2, 0.2]
     )
-    assert (old.cycle, new.cycle) == (None, first)
+    assert (old.accepted_cycle, new.accepted_cycle) == (None, first)
 
 
 @pytest.fixture
@@ -106,12 +106,12 @@ def test_elements_are_left_out_by_none_alone(group):
 
 
 def test_the_cycle_that_takes_a_trajectory_up_is_noted(arm):
-    receipt = arm.motion.receipt()
-    arm.motion.follow_trajectory("arm", TRAJECTORY, receipt=receipt)
+    ticket = arm.motion.ticket()
+    arm.motion.follow_trajectory("arm", TRAJECTORY, ticket=ticket)
 
     arm.loop.step(3)
 
-    assert receipt.cycle == arm.loop.cycle - 2
+    assert ticket.accepted_cycle == arm.loop.cycle - 2
 
 
 @pytest.mark.alone
@@ -120,15 +120,15 @@ def test_a_running_loop_is_waited_for():
     station.switch_controllers(SwitchRequest(start=("group",)))
     station.loop.start()
     try:
-        receipt = station.motion.receipt()
+        ticket = station.motion.ticket()
         before = station.loop.cycle
-        station.motion.set_command("group", [0.1, 0.1], receipt=receipt)
+        station.motion.set_command("group", [0.1, 0.1], ticket=ticket)
         # Not before the cycle that was under way.
-        assert station.motion.wait_for(receipt) >= before
+        assert station.motion.wait_for(ticket) >= before
         station.simulation.change(paused=True)
-        receipt = station.motion.receipt()
-        station.motion.set_command("group", [0.2, 0.2], receipt=receipt)
-        assert station.motion.wait_for(receipt) is None
+        ticket = station.motion.ticket()
+        station.motion.set_command("group", [0.2, 0.2], ticket=ticket)
+        assert station.motion.wait_for(ticket) is None
     finally:
         station.loop.stop()
 

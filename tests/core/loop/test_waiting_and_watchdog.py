@@ -43,7 +43,7 @@ def test_a_stop_takes_effect_within_10_ms_at_the_smallest_factor(rate, paused):
     loop = ControlLoop(
         hw, manager, clock=clock, period=1.0 / rate, real_time_factor=0.01
     )
-    loop.pace.paused = paused
+    loop.speed.paused = paused
     carried_out = threading.Event()
     stopped_at = []
 
@@ -69,7 +69,7 @@ def test_an_operation_that_changes_the_factor_ends_the_wait_for_the_old_deadline
 
     def hasten() -> None:
         def apply() -> None:
-            loop.pace.real_time_factor = 100.0
+            loop.speed.real_time_factor = 100.0
 
         loop._operations.post(apply)
 
@@ -106,7 +106,7 @@ def test_a_real_robot_is_read_once_per_cycle_at_a_slow_rate():
 def test_every_wake_up_leaves_its_time_in_the_heartbeat(paused):
     clock = SystemClock()
     loop = make_loop(OneJoint(), clock)
-    loop.pace.paused = paused
+    loop.speed.paused = paused
     loop.start()
     try:
         for _ in range(3):
@@ -150,7 +150,7 @@ def test_a_stop_of_the_watchdog_is_carried_out_before_anything_is_written():
 def test_a_stop_of_the_watchdog_reaches_a_paused_loop():
     hw = OneJoint()
     loop = make_loop(hw)
-    loop.pace.paused = True
+    loop.speed.paused = True
     loop.heartbeat.ask_stop("asked for while paused")
     loop.start()
     while loop.heartbeat.is_stop_asked:

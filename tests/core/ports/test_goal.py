@@ -9,7 +9,7 @@ from station.core.ports.goal import Goal, GoalPort, GoalResult, GoalStatus
 class Port(GoalPort):
     """Accepts everything."""
 
-    def submit(self, request, receipt=None):
+    def submit(self, request, ticket=None):
         goal = self.new_goal(request)
         self.remember(goal)
         return goal

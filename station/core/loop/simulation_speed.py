@@ -1,4 +1,4 @@
-"""The pace of station time: paused or running, and its speed."""
+"""Speed of station time, and its pause."""
 
 from station.core.errors import ParameterError
 
@@ -8,8 +8,8 @@ FASTEST = 100.0
 """Largest real-time factor."""
 
 
-class Pace:
-    """The pace of a loop's thread. Changed between two cycles.
+class SimulationSpeed:
+    """The speed of station time in a loop's thread. Changed between two cycles.
 
     Args:
         real_time_factor: Station time over wall time, `SLOWEST` to `FASTEST`.

@@ -1,4 +1,4 @@
-"""Receipts of commands: the cycle that picked a command up, and facts for a re-run.
+"""Tickets of commands: the cycle that accepted a command, and facts for a re-run.
 
 A re-run repeats recorded cycles with the same commands in the same cycles.
 """
@@ -20,16 +20,16 @@ class _Thread(threading.local):
 update_of_thread = _Thread()
 
 
-class Receipt:
+class CommandTicket:
     """A note that goes with a command; the control thread writes on it.
 
     Args:
         present_cycle: Returns the number of the present cycle.
 
     Attributes:
-        cycle: The first cycle whose update used the command; None before that, and for
-            ever if a newer command replaced it first.
-        done: A lock that is released once `cycle` is known.
+        accepted_cycle: The first cycle whose update used the command; None before
+            that, and for ever if a newer command replaced it first.
+        done: A lock that is released once `accepted_cycle` is known.
         ended: The cycle in which a set-point expired; None before that.
         planned_at: Station time of the cycle whose state a trajectory was planned from
             [s]; None for commands without a plan.
@@ -38,7 +38,7 @@ class Receipt:
     """
 
     def __init__(self, present_cycle: Callable[[], int]) -> None:
-        self.cycle: int | None = None
+        self.accepted_cycle: int | None = None
         self._present_cycle = present_cycle
         # Released by the control thread, which never waits for it.
         self.done = threading.Lock()
@@ -47,14 +47,14 @@ class Receipt:
         self.planned_at: float | None = None
         self.held: list[Callable[[], None]] | None = None
 
-    def pick_up(self) -> None:
+    def accept(self) -> None:
         """Note the present cycle; called in an update or in the control thread."""
-        if self.cycle is None:
-            self.cycle = self._cycle_of_update()
+        if self.accepted_cycle is None:
+            self.accepted_cycle = self._cycle_of_update()
             self.done.release()
 
     def end(self) -> None:
-        """Note that the set-point expires in this cycle; called as `pick_up`."""
+        """Note that the set-point expires in this cycle; called as `accept`."""
         self.ended = self._cycle_of_update()
 
     def _cycle_of_update(self) -> int:

@@ -8,7 +8,7 @@ the next cycle would begin during it (benchmarks/bench_jitter.py).
 
 from station.core.clock import Clock
 from station.core.loop.heartbeat import Heartbeat
-from station.core.loop.pace import Pace
+from station.core.loop.simulation_speed import SimulationSpeed
 
 PIECE = 4e-4
 """Longest piece of work [s]; longer work asks again in between. Most pieces take 0.05
@@ -23,31 +23,31 @@ _LONGEST_WAIT = 0.02
 """Time until the next cycle beyond which other threads do not wait for it [s]."""
 
 
-class RightOfWay:
+class CycleYield:
     """Tells other threads when to wait for the control thread, which never calls it.
 
     Args:
         clock: The loop's clock.
         heartbeat: Page that has the time of every wake-up of the control thread.
         period: The loop's nominal period [s].
-        pace: How fast station time passes.
+        speed: How fast station time passes.
     """
 
     def __init__(
-        self, clock: Clock, heartbeat: Heartbeat, period: float, pace: Pace
+        self, clock: Clock, heartbeat: Heartbeat, period: float, speed: SimulationSpeed
     ) -> None:
         self._clock = clock
         self._beats = heartbeat.beats
         self._period = period
-        self._pace = pace
+        self._speed = speed
 
-    def give(self) -> None:
+    def wait_if_cycle_is_due(self) -> None:
         """Wait until a cycle that is about to begin has begun; else return at once.
 
         It waits about 0.6 ms at most, and not at all for a loop that hangs or has
         ended, or whose cycles leave no time to compute in between.
         """
-        wall_period = self._period / self._pace.real_time_factor
+        wall_period = self._period / self._speed.real_time_factor
         begins = self._beats[0] + wall_period
         now = self._clock.now()
         # In a fast loop a wait would leave no time to work in, so no thread waits.
@@ -62,6 +62,6 @@ class RightOfWay:
         Work that takes most of a period begins after this call, so that it delays the
         cycle after it as little as possible.
         """
-        begins = self._beats[0] + self._period / self._pace.real_time_factor
+        begins = self._beats[0] + self._period / self._speed.real_time_factor
         if begins - self._clock.now() < _LONGEST_WAIT:
             self._clock.sleep_until(begins + HEAD_START)

@@ -3,9 +3,9 @@
 import pytest
 
 from station.core.clock import ManualClock
+from station.core.loop.cycle_yield import HEAD_START, OVERDUE, PIECE, CycleYield
 from station.core.loop.heartbeat import Heartbeat
-from station.core.loop.pace import Pace
-from station.core.loop.right_of_way import HEAD_START, OVERDUE, PIECE, RightOfWay
+from station.core.loop.simulation_speed import SimulationSpeed
 
 PERIOD = 0.001
 WOKE = 100.0
@@ -16,8 +16,10 @@ def waited(after: float, *, real_time_factor: float = 1.0) -> float:
     heartbeat = Heartbeat()
     heartbeat.beats[0] = WOKE
     clock = ManualClock(WOKE + after)
-    right = RightOfWay(clock, heartbeat, PERIOD, Pace(real_time_factor))
-    right.give()
+    cycle_yield = CycleYield(
+        clock, heartbeat, PERIOD, SimulationSpeed(real_time_factor)
+    )
+    cycle_yield.wait_if_cycle_is_due()
     return clock.now() - (WOKE + after)
 
 
@@ -50,5 +52,5 @@ def test_cycles_that_leave_no_room_between_them_are_not_waited_for():
 def test_a_loop_that_never_ran_is_not_waited_for():
     clock = ManualClock()
     before = clock.now()
-    RightOfWay(clock, Heartbeat(), PERIOD, Pace()).give()
+    CycleYield(clock, Heartbeat(), PERIOD, SimulationSpeed()).wait_if_cycle_is_due()
     assert clock.now() == before
