@@ -6,6 +6,7 @@ that no controller needs.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf
 from typing import NoReturn
 from xml.etree import ElementTree
@@ -146,8 +147,14 @@ def find_robot_description(params: Parameters) -> RobotDescription | None:
         where = "/".join([*parts[:count], ROBOT_DESCRIPTION])
         found = params.tree.get(where)
         if isinstance(found, str):
-            return RobotDescription(found)
+            return _read(found)
     return None
+
+
+# Cached, because every controller of a robot asks for the same document.
+@lru_cache(maxsize=8)
+def _read(xml: str) -> RobotDescription:
+    return RobotDescription(xml)
 
 
 def require_robot_description(params: Parameters) -> RobotDescription:

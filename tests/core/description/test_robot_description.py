@@ -86,6 +86,12 @@ def test_the_nearest_description_is_found():
     assert outer.joint_names() == ["outer"]
 
 
+def test_controllers_of_one_robot_share_what_was_read():
+    tree = ParameterTree({"robot_description": "<robot name='r'/>", "c": {}, "d": {}})
+    first, second = (find_robot_description(Parameters(tree, name)) for name in "cd")
+    assert first is second
+
+
 def test_a_missing_description_is_none_or_an_error():
     params = Parameters(ParameterTree(), "arm")
     assert find_robot_description(params) is None
