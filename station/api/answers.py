@@ -223,11 +223,11 @@ def alarm(found: Alarm) -> wire.Alarm:
 
 def arm_report(found: ArmReport) -> wire.ArmReport:
     """Return an arm at a glance, with the route that carries out its remedy."""
-    told = wire.ArmReport.model_validate(found)
+    report = wire.ArmReport.model_validate(found)
     if found.robot_mode is not RobotMode.REFLEX:
-        return told
+        return report
     route = f"POST /robots/{found.arm_id}/error_recovery"
-    return told.model_copy(update={"remedy": f"{told.remedy} ({route})"})
+    return report.model_copy(update={"remedy": f"{report.remedy} ({route})"})
 
 
 def arms(station: Station) -> list[wire.ArmReport]:

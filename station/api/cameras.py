@@ -210,14 +210,14 @@ class Cameras:
         fault = ""
         with process:
             while process.stdout is not None and (line := process.stdout.readline()):
-                told = json.loads(line)
-                content = process.stdout.read(told["size"])
-                if "error" in told:
-                    fault = told["error"]
+                header = json.loads(line)
+                content = process.stdout.read(header["size"])
+                if "error" in header:
+                    fault = header["error"]
                     continue
                 self._number += 1
-                self._newest[told["name"]] = Picture(
-                    self._number, told["stamp"], content, time.monotonic()
+                self._newest[header["name"]] = Picture(
+                    self._number, header["stamp"], content, time.monotonic()
                 )
         if process.returncode or fault:
             self._failed_at = time.monotonic()

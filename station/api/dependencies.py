@@ -218,18 +218,18 @@ def refuse_late(
     Raises:
         ProblemError: The request comes too late, or the header is not a number.
     """
-    told = headers.get(NOT_AFTER_HEADER)
-    if told is None:
+    latest = headers.get(NOT_AFTER_HEADER)
+    if latest is None:
         return
     try:
-        late = now() - float(told)
+        late = now() - float(latest)
     except ValueError:
         late = nan
     if not isfinite(late):
         raise ProblemError(
             422,
             "invalid_request",
-            f"{NOT_AFTER_HEADER} is {told!r:.40}; it is seconds since 1970.",
+            f"{NOT_AFTER_HEADER} is {latest!r:.40}; it is seconds since 1970.",
             f"Add to {CLOCK_HEADER} of the last answer, or leave it out.",
         )
     if late > 0.0:

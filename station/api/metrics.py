@@ -78,12 +78,12 @@ class StationCollector(Collector):
 
     def _station_figures(self) -> Iterator[Metric]:
         station = self._station
-        told = {
+        labels = {
             "version": package.__version__,
             "boot_id": station.boot_id,
             "robot_type": station.status().robot_type,
         }
-        yield InfoMetricFamily("station", "The station of this run.", told)
+        yield InfoMetricFamily("station", "The station of this run.", labels)
         yield GaugeMetricFamily(
             "station_ready",
             "Whether the loop runs and its last cycle is fresh.",

@@ -393,8 +393,8 @@ class Renderer:
             _write(picture.getvalue(), name=name, stamp=states.stamp)
 
 
-def _write(content: bytes, **told: object) -> None:
-    line = json.dumps({**told, "size": len(content)}).encode()
+def _write(content: bytes, **header: object) -> None:
+    line = json.dumps({**header, "size": len(content)}).encode()
     sys.stdout.buffer.write(line + b"\n" + content)
     sys.stdout.buffer.flush()
 

@@ -210,8 +210,8 @@ class FciBeside:
                     answers, reason = error.answers, error.message
                 except StationError as error:
                     reason = error.message
-                if told := reason or self._guest.take_reason():
-                    _logger.warning("Franka Control Interface: %s", told)
+                if news := reason or self._guest.take_reason():
+                    _logger.warning("Franka Control Interface: %s", news)
                 pipe.send((answers, port, reason))
         except fci_door.GONE:
             self._say_goodbye()
@@ -223,12 +223,12 @@ class FciBeside:
     def _replace_door(self) -> None:
         """Start the process again, which has ended by itself."""
         self._close_door()
-        told = "The process that serves clients of the FCI has ended"
+        end = "The process that serves clients of the FCI has ended"
         # A process that ends at once would keep the station busy with restarts.
         if not self._restarts.allows_another():
-            self._warn(f"{told} too often; clients are served no more.")
+            self._warn(f"{end} too often; clients are served no more.")
             return
-        self._warn(f"{told}; another begins.")
+        self._warn(f"{end}; another begins.")
         try:
             self._open_door()
         except StationError as error:

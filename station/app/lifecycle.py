@@ -390,15 +390,15 @@ class StationRun:
             code = ui.exit_code()
             if code is None:
                 return False
-            told = f"The dashboard ended (exit code {code})"
+            news = f"The dashboard ended (exit code {code})"
             # A dashboard that ends without an error was ended on purpose, e.g. with
             # `kill`.
             if code != 0 and limit.allows_another():
-                self._warn(f"{told}; it is started again at the same address.")
+                self._warn(f"{news}; it is started again at the same address.")
                 ui.start_again()
                 return False
             self._warn(
-                f"{told}; the station runs on. Start it again: station ui --connect "
+                f"{news}; the station runs on. Start it again: station ui --connect "
                 f"{announcement.api_url}"
             )
             return True

@@ -86,13 +86,13 @@ class RerunResult:
         """Return the result for people."""
         found = self.difference
         if found is None:
-            told = f"Equal: {self.cycles} cycles are the same, bit for bit."
+            verdict = f"Equal: {self.cycles} cycles are the same, bit for bit."
         else:
-            told = (
+            verdict = (
                 f"Different from cycle {found.cycle} on: the {found.quantity} of "
                 f"'{found.joint}' was {found.recorded!r} and is {found.rerun!r} now."
             )
-        return "\n".join((told, *self.not_repeated))
+        return "\n".join((verdict, *self.not_repeated))
 
 
 def rerun(path: Path | str) -> RerunResult:

@@ -80,9 +80,9 @@ class Likeness:
             RehearsalError: The robot is not a single real Franka arm, or the arm is not
                 ready.
         """
-        real, told = station.loop.hw, station.parameters.get(ROBOT_NAMESPACE)
+        real, given = station.loop.hw, station.parameters.get(ROBOT_NAMESPACE)
         # Only for this class is it known that a robot without an address is simulated.
-        if not isinstance(real, FrankaHW) or not isinstance(told, dict):
+        if not isinstance(real, FrankaHW) or not isinstance(given, dict):
             raise RehearsalError(
                 "There is no model of this real robot.",
                 remedy="Rehearse on a simulated station with the same configuration.",
@@ -92,7 +92,7 @@ class Likeness:
                 f"The arm is in the mode '{real.mode()}', which its model has not.",
                 remedy="Recover the arm, and rehearse again.",
             )
-        section = {key: value for key, value in told.items() if key != "robot_ip"}
+        section = {key: value for key, value in given.items() if key != "robot_ip"}
         robot = RobotSection.model_validate(section)
         bare: dict[str, object] = {
             "controllers": {},

@@ -106,8 +106,8 @@ class UiOptions:
         """Return, as text, the settings that a dashboard must have to be adopted."""
         first = (self.robot_description, self.arm_id, self.base, self.base_moves)
         drawn = (*first, self.beside)
-        told = (self.reconnect_window, self.certificate)
-        return f"{station.__version__} {drawn} {told}"
+        options = (self.reconnect_window, self.certificate)
+        return f"{station.__version__} {drawn} {options}"
 
     def command(self) -> list[str]:
         """Return the command line, without the token, which others could read there."""

@@ -130,12 +130,12 @@ def _failure_of_api(error: Any, typed: Mapping[str, str]) -> Failure:  # noqa: A
         return Failure(
             error.code, f"{'; '.join(lines)}.", _NOTHING_CHANGED, errors=errors
         )
-    told = [
+    hints = [
         line
         for each, line in zip(errors, lines, strict=True)
         if each["message"] not in error.detail
     ]
-    detail = "\n  ".join([error.detail, *told])
+    detail = "\n  ".join([error.detail, *hints])
     return Failure(error.code, detail, error.remedy, errors=errors)
 
 

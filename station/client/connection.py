@@ -65,9 +65,12 @@ class RequestDeadline:
 
     def hear(self, headers: Mapping[str, str]) -> None:
         """Note the station's time in the headers of an answer, if they have it."""
-        told = headers.get(CLOCK_HEADER)
-        if told is not None:
-            self._ahead = (*self._ahead[1 - _ANSWERS :], float(told) - self._now())
+        station_time = headers.get(CLOCK_HEADER)
+        if station_time is not None:
+            self._ahead = (
+                *self._ahead[1 - _ANSWERS :],
+                float(station_time) - self._now(),
+            )
 
     def headers(self) -> dict[str, str]:
         """Return the header of a change that is sent now; empty before any answer."""

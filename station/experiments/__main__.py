@@ -34,12 +34,12 @@ class Reporter:
 
     Args:
         results: The experiment.
-        told: Receives the lines of the report.
+        output: Receives the lines of the report.
     """
 
-    def __init__(self, results: Results, told: IO[str]) -> None:
+    def __init__(self, results: Results, output: IO[str]) -> None:
         self._results = results
-        self._told = told
+        self._output = output
         self._next = 0.0
         self._recorded: set[str] = set()
 
@@ -53,7 +53,7 @@ class Reporter:
     def tell(self, progress: Progress) -> None:
         """Report the progress."""
         tell(
-            self._told,
+            self._output,
             progress={
                 "ended": progress.ended,
                 "total": progress.total,
@@ -89,7 +89,7 @@ def main() -> int:
     # The station cancels by SIGINT, which a program in the background would ignore.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     # The output of libraries must not mix with the lines of the report.
-    told = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    output = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     order = json.loads(sys.stdin.readline())
     threading.Thread(target=_end_with_station, daemon=True).start()
@@ -100,11 +100,11 @@ def main() -> int:
             file_of(request.name), experiment.kind, experiment.setup, experiment.plan
         )
     except StationError as error:
-        tell(told, refused=_plain(error))
+        tell(output, refused=_plain(error))
         return 1
     with results:
-        tell(told, begun=request.name)
-        reporter = Reporter(results, told)
+        tell(output, begun=request.name)
+        reporter = Reporter(results, output)
         state, reason = "done", ""
         try:
             with make_pool(request.workers) as executor:
@@ -119,14 +119,14 @@ def main() -> int:
         except Exception as error:  # noqa: BLE001 - the boundary: logged and told
             traceback.print_exc()
             state, reason = "failed", _blame(error)
-        tell(told, end={"state": state, "reason": reason})
+        tell(output, end={"state": state, "reason": reason})
     return 0
 
 
-def tell(told: IO[str], **facts: object) -> None:
+def tell(output: IO[str], **facts: object) -> None:
     """Write one line of JSON."""
-    told.write(f"{json.dumps(facts)}\n")
-    told.flush()
+    output.write(f"{json.dumps(facts)}\n")
+    output.flush()
 
 
 def _blame(error: Exception) -> str:

@@ -141,17 +141,17 @@ def _size(world: TrialWorld) -> str:
 
 def _repairs(world: TrialWorld) -> Check:
     repairs = world.station.facade.loop.hw.repairs()
-    told = "; ".join(one.sentence() for one in repairs[:_MOST_REPAIRS])
+    sentences = "; ".join(one.sentence() for one in repairs[:_MOST_REPAIRS])
     if len(repairs) > _MOST_REPAIRS:
-        told += f"; and {len(repairs) - _MOST_REPAIRS} more: see `station doctor`"
-    return Check("description", "passed", f"Repaired: {told or 'nothing'}.")
+        sentences += f"; and {len(repairs) - _MOST_REPAIRS} more: see `station doctor`"
+    return Check("description", "passed", f"Repaired: {sentences or 'nothing'}.")
 
 
 def _loading(world: TrialWorld) -> Iterator[Check]:
     for controller in world.station.facade.controllers():
         name = f"controller {controller.name} loads"
-        told = " ".join([f"It is a {controller.type}.", *controller.notes])
-        yield Check(name, "passed", told)
+        notes = " ".join([f"It is a {controller.type}.", *controller.notes])
+        yield Check(name, "passed", notes)
     for missing, error in world.station.not_loaded.items():
         why = f"{error.message} {error.remedy}".strip()
         yield Check(f"controller {missing} loads", "failed", why)

@@ -90,7 +90,7 @@ class Recovered:
         """Return a description of the loss, in sentences; empty if nothing was lost."""
         sentences = []
         if self.losses:
-            times = ", ".join(self._told(loss) for loss in self.losses)
+            times = ", ".join(self._in_words(loss) for loss in self.losses)
             if self.lost_messages is None:
                 count = "An unknown number of messages"
             else:
@@ -103,18 +103,18 @@ class Recovered:
             sentences.append("No message is lost; the index was written again.")
         return " ".join(sentences)
 
-    def _told(self, loss: Loss) -> str:
-        def told(stamp: int) -> str:
+    def _in_words(self, loss: Loss) -> str:
+        def clock_time(stamp: int) -> str:
             at = datetime.fromtimestamp(stamp / 1e9, UTC)
             return f"{(stamp - self.began) / 1e9:.3f} s ({at:%H:%M:%S.%f} UTC)"
 
         if loss.begin is None and loss.end is None:
             return "everything"
         if loss.begin is None:
-            return f"all before {told(loss.end or 0)}"
+            return f"all before {clock_time(loss.end or 0)}"
         if loss.end is None:
-            return f"all after {told(loss.begin)}"
-        return f"between {told(loss.begin)} and {told(loss.end)}"
+            return f"all after {clock_time(loss.begin)}"
+        return f"between {clock_time(loss.begin)} and {clock_time(loss.end)}"
 
 
 def recover_file(path: Path, pause: Callable[[], None] = lambda: None) -> Recovered:

@@ -394,5 +394,5 @@ class Certificates:
 
 def command_text(command: Mapping[str, Any]) -> str:
     """Return a command as text; equal commands have equal texts."""
-    told = {key: value for key, value in command.items() if key != "at"}
-    return json.dumps(told, sort_keys=True, default=str)
+    untimed = {key: value for key, value in command.items() if key != "at"}
+    return json.dumps(untimed, sort_keys=True, default=str)

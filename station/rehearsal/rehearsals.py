@@ -240,17 +240,19 @@ class Rehearsals:
         begun = time.perf_counter()
         with self._alone():
             found = self._foresee(Script(steps, seconds), run_model)
-        told = replace(found.rehearsal, wall_time=time.perf_counter() - begun)
-        if is_agent and told.outcome is RehearsalOutcome.COMPLETED:
+        rehearsal = replace(found.rehearsal, wall_time=time.perf_counter() - begun)
+        if is_agent and rehearsal.outcome is RehearsalOutcome.COMPLETED:
             names, tube = self._station.joint_names, self.rules.tolerances.tube
             fault = self.rules.envelope.fault(found, names, tube, self._hands())
             if fault is not None:
-                told = replace(told, outcome=RehearsalOutcome.FAILED, error=fault)
-        if certify and told.outcome is RehearsalOutcome.COMPLETED:
+                rehearsal = replace(
+                    rehearsal, outcome=RehearsalOutcome.FAILED, error=fault
+                )
+        if certify and rehearsal.outcome is RehearsalOutcome.COMPLETED:
             issue = self._certificates.issue
             certificate = issue(steps, found.conditions, found.positions)
-            told = replace(told, certificate=certificate)
-        return told
+            rehearsal = replace(rehearsal, certificate=certificate)
+        return rehearsal
 
     def plan(self, wish: Wish, who: str | None = None) -> Plan:
         """Return a path without collisions to a pose; nothing moves.
@@ -292,10 +294,12 @@ class Rehearsals:
             # Count all copies of the search afterwards, so that it is not refused half
             # done.
             self._pay(who)
-            told = self.rehearse([{**goal, "at": 0.0}])
-            if told.outcome is RehearsalOutcome.COMPLETED:
+            rehearsal = self.rehearse([{**goal, "at": 0.0}])
+            if rehearsal.outcome is RehearsalOutcome.COMPLETED:
                 return replace(found, planning_time=time.perf_counter() - begun)
-            error = told.outcome if told.error is None else told.error.text
+            error = (
+                rehearsal.outcome if rehearsal.error is None else rehearsal.error.text
+            )
         raise NoPathError(
             f"None of {_ATTEMPTS} paths could be followed; the last one ends with: "
             f"{error}",
@@ -360,8 +364,8 @@ class Rehearsals:
                     "With a model a path is rehearsed from the beginning alone.",
                     remedy="Leave `at` out, or rehearse the path by itself.",
                 )
-            told = step if plan_step is None else plan_step(step)
-            steps.append({**told, "at": step["at"]})
+            planned = step if plan_step is None else plan_step(step)
+            steps.append({**planned, "at": step["at"]})
         found = run_model(station, partial(_move, replace(script, steps=steps)))
         # The conditions of a certificate are those of the real robot, not of the model.
         report = replace(found.rehearsal, twin="model")

@@ -365,11 +365,11 @@ class _Mirror:
         }
         if not wrong:
             return None
-        told, self._told = self._told, set(self._known)
+        expected, self._told = self._told, set(self._known)
         faults = {name: status[name].fault for name in wrong & status.keys()}
         return (
             f"the robot was not told what became of {_names(wrong)}: it was told of "
-            f"{_names(told)}, and {_names(self._told)} run; faults: {faults}"
+            f"{_names(expected)}, and {_names(self._told)} run; faults: {faults}"
         )
 
     def _concerned(self, running: Sequence[ControllerInfo]) -> set[str]:

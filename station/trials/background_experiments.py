@@ -370,11 +370,11 @@ class BackgroundExperiments:
     def _follow(self, process: ExperimentProcess, state: RunState) -> None:
         """Read the reports of the process until it ends. Its own thread."""
         end = None
-        for told in process.lines():
-            if "end" in told:
-                end = told["end"]
-            elif "progress" in told:
-                state = replace(state, **told["progress"])
+        for message in process.lines():
+            if "end" in message:
+                end = message["end"]
+            elif "progress" in message:
+                state = replace(state, **message["progress"])
                 self._change(state)
         how = process.how_it_ended()
         if end is None:

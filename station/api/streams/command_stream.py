@@ -252,13 +252,13 @@ class CommandStream:
             self._waiting = None
 
     async def _report(self, websocket: WebSocket) -> None:
-        told: dict[str, object] = {}
+        sent: dict[str, object] = {}
         while True:
             await asyncio.sleep(REPORT_PERIOD)
             found = self.counts()
             # A report in which only the cycle has changed is not sent.
-            if {**found, "cycle": 0} != {**told, "cycle": 0}:
-                told = found
+            if {**found, "cycle": 0} != {**sent, "cycle": 0}:
+                sent = found
                 await _send(websocket, self._request.format, found)
 
     async def _wait_for_loss(self, changed: asyncio.Event) -> None:

@@ -187,9 +187,9 @@ async def _replay(url: str, token: str, options: Namespace) -> int:
     from station.mcp.server import replay
 
     refused = 0
-    async for tool, is_refused, told in replay(url, token, options.ca, options.replay):
+    async for tool, is_refused, text in replay(url, token, options.ca, options.replay):
         refused += is_refused
-        say(f"{tool}: {told}")
+        say(f"{tool}: {text}")
     return 1 if refused else 0
 
 

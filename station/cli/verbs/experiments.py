@@ -398,7 +398,7 @@ def _watching() -> "Iterator[Watcher]":
         TimeRemainingColumn(),
     )
     console = Console(stderr=True)
-    told: set[str] = set()
+    said: set[str] = set()
     with Bar(*columns, console=console, disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task("trials", total=None)
 
@@ -408,8 +408,8 @@ def _watching() -> "Iterator[Watcher]":
             if progress.is_interrupted:
                 news.append("The trials that run may end; Ctrl-C again ends them now.")
             for reason in news:
-                if reason not in told:
-                    told.add(reason)
+                if reason not in said:
+                    said.add(reason)
                     say_progress(reason)
 
         yield watch

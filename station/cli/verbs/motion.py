@@ -317,7 +317,7 @@ def stop_through_watchdog(url: str, token: str, reason: str) -> WatchdogStop:
             headers={"Authorization": f"Bearer {token}"},
         )
         answer = connection.getresponse()
-        told = json.loads(answer.read())
+        verdict = json.loads(answer.read())
     # A ValueError means that another program has the port and does not answer in JSON.
     except (OSError, HTTPException, ValueError) as error:
         raise WatchdogError(
@@ -328,7 +328,7 @@ def stop_through_watchdog(url: str, token: str, reason: str) -> WatchdogStop:
         connection.close()
     if answer.status != 200:
         raise WatchdogError(
-            f"The watchdog at {url} refuses: {told.get('detail')}",
+            f"The watchdog at {url} refuses: {verdict.get('detail')}",
             remedy="Give a token of the station: --token, or STATION_TOKEN.",
         )
-    return WatchdogStop(told["carried_out"], told["detail"])
+    return WatchdogStop(verdict["carried_out"], verdict["detail"])

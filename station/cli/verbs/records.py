@@ -131,7 +131,7 @@ def recover_file(options: Namespace) -> int:
 
     found = recover(options.file)
     RecordStore(options.file.parent).note_recovery(options.file.stem, found)
-    told = {
+    summary = {
         "changed": found.is_changed,
         "messages": found.messages,
         "dropped": found.dropped,
@@ -141,7 +141,7 @@ def recover_file(options: Namespace) -> int:
     line = f"The file is whole: {found.messages} messages. Nothing was changed."
     if found.is_changed:
         line = f"Recovered {found.messages} messages. {found.text()}"
-    return answer(options, told, line)
+    return answer(options, summary, line)
 
 
 def _stop(client: "StationClient", name: str | None) -> "Recording":

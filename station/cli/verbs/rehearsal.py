@@ -50,16 +50,16 @@ def add_rehearse(parser: "Parser") -> None:
 def rehearse(options: Namespace) -> int:
     """Forecast a motion; return 1 if it would not be completed."""
     with open_client(options) as client:
-        told = client.rehearse(
+        rehearsal = client.rehearse(
             _steps(client, options),
             seconds=options.seconds,
             certificate=options.certificate,
         )
     if options.json:
-        say_json(told)
+        say_json(rehearsal)
     else:
-        _tell(told)
-    return 0 if told.outcome == "completed" else 1
+        _tell(rehearsal)
+    return 0 if rehearsal.outcome == "completed" else 1
 
 
 def _steps(client: "StationClient", options: Namespace) -> "list[dict[str, JsonValue]]":
@@ -155,35 +155,36 @@ def _numbers(values: list[str]) -> list[float]:
     return [float(value) for value in values]
 
 
-def _tell(told: "Rehearsal") -> None:
+def _tell(trial: "Rehearsal") -> None:
     say(
-        f"{told.outcome} after {told.duration:.3f} s ({told.cycles} cycles, rehearsed "
-        f"in {1e3 * told.wall_time:.0f} ms)."
+        f"{trial.outcome} after {trial.duration:.3f} s ({trial.cycles} cycles, "
+        f"rehearsed in {1e3 * trial.wall_time:.0f} ms)."
     )
-    if told.twin == "model":
+    if trial.twin == "model":
         say("A model of the arm was moved; it is as good as its parameters.")
-    if told.error is not None:
-        where = f" at {told.error.where}" if told.error.where else ""
-        say(f"{told.error.cause}{where} in cycle {told.error.cycle}: {told.error.text}")
-        for pair in told.error.touching:
+    if trial.error is not None:
+        error = trial.error
+        where = f" at {error.where}" if error.where else ""
+        say(f"{error.cause}{where} in cycle {error.cycle}: {error.text}")
+        for pair in error.touching:
             say(f"Touching: {' and '.join(pair)}.")
-    near = [one for one in told.joints if one.position_margin is not None]
+    near = [one for one in trial.joints if one.position_margin is not None]
     if near:
         least = min(near, key=lambda one: one.position_margin or 0.0)
         say(f"Nearest to a limit: {least.joint}, {least.position_margin:.3f} left.")
-    for one in told.clearances:
+    for one in trial.clearances:
         kept = "" if one.margin is None else f", margin {1e3 * one.margin:.0f} mm"
         say(
             f"Nearest: {' and '.join(one.bodies)}, {1e3 * one.distance:.0f} mm in "
             f"cycle {one.cycle}{kept}."
         )
-    for contact in told.contacts:
+    for contact in trial.contacts:
         say(f"{' and '.join(contact.bodies)} touch with {contact.force:.1f} N.")
-    cut = [one.joint for one in told.joints if one.cut_off]
+    cut = [one.joint for one in trial.joints if one.cut_off]
     if cut:
         say(f"Limits cut off commands of: {', '.join(cut)}.")
-    if told.certificate is not None:
+    if trial.certificate is not None:
         say(
-            f"Certificate: {told.certificate.name} (valid for "
-            f"{told.certificate.valid_for:g} s)"
+            f"Certificate: {trial.certificate.name} (valid for "
+            f"{trial.certificate.valid_for:g} s)"
         )

@@ -211,8 +211,8 @@ class ProcessUpdate(AsyncUpdate):
                 raise self._failure(f"has not answered for {self._limit:g} s")
             answer: _Answer = self._connection.recv()
         except (OSError, EOFError, AsyncProcessError) as error:
-            told = error if isinstance(error, AsyncProcessError) else None
-            failure = told or self._failure("has ended")
+            known = error if isinstance(error, AsyncProcessError) else None
+            failure = known or self._failure("has ended")
             self._end_process()
             if method == "update":
                 raise failure from error

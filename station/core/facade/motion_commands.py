@@ -165,8 +165,8 @@ class MotionCommands:
                 details={"expected": [element.name for element in port.elements]},
             )
         return [
-            told if value is None else value
-            for value, told in zip(values, in_force[:size], strict=True)
+            present if value is None else value
+            for value, present in zip(values, in_force[:size], strict=True)
         ]
 
     def let_go(self, names: Iterable[str], reason: str) -> None:

@@ -182,7 +182,7 @@ class StationScene:
                 lambda: guard.hand().inverse().compose(self._pose_of(thing))
             )
             held = replace(thing, carried_by=guard.arm_id, grip=grip)
-            self._change_load(held, guard.arm_id, told=load)
+            self._change_load(held, guard.arm_id, tell_arm=load)
         return next(one for one in self.report() if one.name == name)
 
     def detach(self, name: str, *, load: bool = True) -> SceneObjectReport:
@@ -207,13 +207,13 @@ class StationScene:
                 )
             left = self._loop.run_in_cycle(lambda: self._moved(thing))
             left = replace(left, carried_by="", grip=Pose())
-            self._change_load(left, thing.carried_by, told=load)
+            self._change_load(left, thing.carried_by, tell_arm=load)
         return next(one for one in self.report() if one.name == name)
 
-    def _change_load(self, thing: SceneObject, arm_id: str, *, told: bool) -> None:
+    def _change_load(self, thing: SceneObject, arm_id: str, *, tell_arm: bool) -> None:
         """Replace an object, and set the load of the arm that takes or releases it."""
         change = self._exchange([thing])
-        if told:
+        if tell_arm:
             others = [one for one in self._objects if one.name != thing.name]
             held = [
                 (one, one.grip) for one in (*others, thing) if one.carried_by == arm_id

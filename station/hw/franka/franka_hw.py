@@ -229,8 +229,8 @@ class FrankaHW(RobotHW):
         else:
             from station.hw.franka.simulated.franka_world import simulate_one
 
-            told = self._parameters
-            self.enter_world(simulate_one(told, root_params), told.arm_id)
+            parameters = self._parameters
+            self.enter_world(simulate_one(parameters, root_params), parameters.arm_id)
 
     def enter_world(self, world: "FrankaWorld", arm_id: str) -> None:
         """Drive an arm in a simulated world; called before `init`.
@@ -323,9 +323,9 @@ class FrankaHW(RobotHW):
 
     def longest_period(self) -> float:
         """Return the longest time that the world advances in one cycle [s]."""
-        told, nominal = self._parameters, self._reading.nominal
-        longest = (nominal + told.most_lost_packets) * self.arm.cycle_time
-        return longest if told.waits_for_late_loop else inf
+        parameters, nominal = self._parameters, self._reading.nominal
+        longest = (nominal + parameters.most_lost_packets) * self.arm.cycle_time
+        return longest if parameters.waits_for_late_loop else inf
 
     @override
     def check_for_conflict(
@@ -453,16 +453,16 @@ class FrankaHW(RobotHW):
 
     def _add_fingers(self, names: Sequence[str], urdf: Urdf) -> None:
         """Add the hand of the URDF, if it has one, and its finger joints."""
-        told, interfaces = self._parameters, self.commands.interfaces()
+        parameters, interfaces = self._parameters, self.commands.interfaces()
         # The arm has no hand.
         if not all(name in urdf.joints for name in names):
             return
         if self._real is not None:
             self.register_interface(self._real.add_hand(names, interfaces))
         elif self._world is not None:
-            gripper = self._world.grippers[told.arm_id]
-            self._fingers = FingerJoints(gripper, names, told.arm_id)
-            self._fingers.register(interfaces, in_states=told.publishes_fingers)
+            gripper = self._world.grippers[parameters.arm_id]
+            self._fingers = FingerJoints(gripper, names, parameters.arm_id)
+            self._fingers.register(interfaces, in_states=parameters.publishes_fingers)
             self._reading.read_fingers = self._fingers.sensor.read
             self._sender.add_fingers(self._fingers)
             self.register_interface(self._fingers.services)

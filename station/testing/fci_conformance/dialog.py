@@ -164,14 +164,14 @@ def find_protocol(host: str, port: int, wanted: int | None) -> RobotProtocol:
         FciSilenceError: The endpoint does not speak the version, or speaks none with a
             table.
     """
-    told = 0
+    version = 0
     for asked in sorted(PROTOCOLS, reverse=True) if wanted is None else [wanted]:
-        status, told = ask_version(host, port, asked)
+        status, version = ask_version(host, port, asked)
         if status == SUCCESS:
             return PROTOCOLS[asked]
     known = wanted or " or ".join(map(str, PROTOCOLS))
     raise FciSilenceError(
-        f"{host}:{port} does not speak version {known}; it answers with {told}."
+        f"{host}:{port} does not speak version {known}; it answers with {version}."
     )
 
 
@@ -240,8 +240,8 @@ class Dialog:
             wanted: The status in words.
             values: The fields of the request.
         """
-        told = self.ask(command, **values).words
-        return told == wanted, told
+        answer = self.ask(command, **values).words
+        return answer == wanted, answer
 
     def next_state(self) -> State:
         """Wait for a state that is newer than the last one, and return it.

@@ -113,8 +113,8 @@ def pytest_itemcollected(item: pytest.Item) -> None:
     words = item.name.removeprefix("test_").replace("_", " ")
     check = words.replace("[", ": ", 1).removesuffix("]")
     area = item.module.__name__.rpartition(".test_")[2]  # type: ignore[attr-defined]
-    told = (getdoc(item.function) or "").removesuffix(".")  # type: ignore[attr-defined]
-    item.stash[_row_key] = Row(check, area, expected=told)
+    expected = (getdoc(item.function) or "").removesuffix(".")  # type: ignore[attr-defined]
+    item.stash[_row_key] = Row(check, area, expected=expected)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -172,8 +172,8 @@ def test_silence_is_noticed_within_100_ms(dialog: Dialog) -> Verdict:
 
 def test_motion_in_reflex_is_refused(dialog: Dialog) -> Verdict:
     """Move in reflex is answered with command not possible rejected."""
-    outcome, told = dialog.move(JUMP, 200), dialog.start(HOLD).words
-    return told == "command not possible rejected", f"{outcome}, then {told}"
+    outcome, answer = dialog.move(JUMP, 200), dialog.start(HOLD).words
+    return answer == "command not possible rejected", f"{outcome}, then {answer}"
 
 
 def test_command_that_is_not_finite_ends_the_motion(dialog: Dialog) -> Verdict:

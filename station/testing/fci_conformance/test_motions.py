@@ -108,8 +108,8 @@ def test_motion_without_a_generator_is_refused_before_version_7(
 ) -> Verdict:
     """The answer is invalid argument rejected."""
     needs(MoveGenerator.NONE not in dialog.protocol.generators)
-    told = dialog.start(torques(rest)).words
-    return told == "invalid argument rejected", told
+    answer = dialog.start(torques(rest)).words
+    return answer == "invalid argument rejected", answer
 
 
 def test_arm_waits_for_the_first_command(dialog: Dialog) -> Verdict:
@@ -125,17 +125,17 @@ def test_request_during_a_motion_is_refused(dialog: Dialog, asked: str) -> Verdi
     """The answer is command not possible rejected, and the motion succeeds."""
     command, fields = MEANWHILE[asked]
     values = {name: dialog.state[name] for name in fields}
-    outcome, told = ask_meanwhile(dialog, command, values)
-    holds = outcome.is_success and told == "command not possible rejected"
-    return holds, f"{told}; the motion: {outcome}"
+    outcome, answer = ask_meanwhile(dialog, command, values)
+    holds = outcome.is_success and answer == "command not possible rejected"
+    return holds, f"{answer}; the motion: {outcome}"
 
 
 def test_stop_preempts_a_motion(dialog: Dialog) -> Verdict:
     """Move is answered with preempted, StopMove with success, and the arm is idle."""
-    outcome, told = ask_meanwhile(dialog, Command.STOP_MOVE, {})
-    is_over = outcome.ended == "preempted" and told == "success"
+    outcome, answer = ask_meanwhile(dialog, Command.STOP_MOVE, {})
+    is_over = outcome.ended == "preempted" and answer == "success"
     mode = dialog.state["robot_mode"]
-    seen = f"Move {outcome}, StopMove {told}, robot mode {mode}"
+    seen = f"Move {outcome}, StopMove {answer}, robot mode {mode}"
     return is_over and mode == RobotMode.IDLE.value, seen
 
 

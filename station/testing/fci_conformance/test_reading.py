@@ -77,8 +77,8 @@ def values_of(command: Command, dialog: Dialog) -> Mapping[str, object]:
 def test_version_is_agreed(row: Row, endpoint: Endpoint) -> Verdict:
     version = endpoint.protocol.version
     row.expected = f"Connect with version {version}: success, version {version}"
-    status, told = ask_version(endpoint.host, endpoint.port, version)
-    return (status, told) == (SUCCESS, version), f"{status}, version {told}"
+    status, newest = ask_version(endpoint.host, endpoint.port, version)
+    return (status, newest) == (SUCCESS, version), f"{status}, version {newest}"
 
 
 @pytest.mark.parametrize("version", [1, 999])
@@ -86,9 +86,9 @@ def test_wrong_version_is_refused_with_the_right_one(
     endpoint: Endpoint, version: int
 ) -> Verdict:
     """The answer is incompatible library version, with a version of the robot."""
-    status, told = ask_version(endpoint.host, endpoint.port, version)
+    status, newest = ask_version(endpoint.host, endpoint.port, version)
     is_refused = status == "incompatible library version"
-    return is_refused and told in PROTOCOLS, f"{status}, version {told}"
+    return is_refused and newest in PROTOCOLS, f"{status}, version {newest}"
 
 
 def test_refused_client_may_connect_again_at_once(endpoint: Endpoint) -> Verdict:
@@ -174,9 +174,9 @@ def test_joints_rest_where_they_are_desired(state: State) -> Verdict:
 
 def test_gravity_is_told(state: State) -> Verdict:
     """O_ddP_O is 9.81 m/s², which the models of clients use as gravity."""
-    told = state["O_ddP_O"]
-    seen = f"({', '.join(f'{value:.3g}' for value in told)}) m/s²"
-    return abs(hypot(*told) - GRAVITY) < 0.2, seen
+    acceleration = state["O_ddP_O"]
+    seen = f"({', '.join(f'{value:.3g}' for value in acceleration)}) m/s²"
+    return abs(hypot(*acceleration) - GRAVITY) < 0.2, seen
 
 
 def test_accelerometers_feel_gravity(state: State) -> Verdict:

@@ -43,14 +43,14 @@ async function patiently(path, ms, options = {}) {
 async function post(path) {
   const answer = await patiently(path, STOP_PATIENCE_MS, { method: "POST" });
   const body = await answer.json();
-  if (!answer.ok) throw Object.assign(new Error(`${body.detail} ${body.remedy ?? ""}`), { told: { ...body, status: answer.status } });
+  if (!answer.ok) throw Object.assign(new Error(`${body.detail} ${body.remedy ?? ""}`), { refusal: { ...body, status: answer.status } });
   return body;
 }
 
 // A refusal belongs into the log of the docks. Without them it is a notice.
-function refuse(told, path) {
-  const heard = new CustomEvent("station-refused", { detail: { told, path }, cancelable: true });
-  if (window.dispatchEvent(heard)) notice(`${told.detail} ${told.remedy ?? ""}`);
+function refuse(refusal, path) {
+  const heard = new CustomEvent("station-refused", { detail: { refusal, path }, cancelable: true });
+  if (window.dispatchEvent(heard)) notice(`${refusal.detail} ${refusal.remedy ?? ""}`);
 }
 
 // What the station has answered to a stop or a release is newer than what the dashboard
@@ -61,8 +61,8 @@ let answered = { state: "", until: 0 };
 let latest = null;
 let refusedBefore = "";
 
-function showAnswer(told) {
-  answered = { state: told.state, until: Date.now() + ANSWER_HOLDS_MS };
+function showAnswer(answer) {
+  answered = { state: answer.state, until: Date.now() + ANSWER_HOLDS_MS };
   if (latest) render(latest);
 }
 
@@ -94,7 +94,7 @@ async function act(path) {
     showAnswer(await post(path));
   } catch (error) {
     const remedy = "Look at the strip whether it was done, and try again.";
-    refuse(error.told ?? { code: "unreachable", detail: `It is not known whether it was done: ${error.message}`, remedy }, path);
+    refuse(error.refusal ?? { code: "unreachable", detail: `It is not known whether it was done: ${error.message}`, remedy }, path);
   }
   refresh();
 }

@@ -63,10 +63,10 @@ async function listLayouts() {
 
 /** Return a layout of the station as this page has it; its plots are shown. */
 async function fetchLayout(name) {
-  const told = await act("GET", layoutPath(name));
-  if (told?.plots.length) element("dock-plots").showSettings(told.plots);
-  if (!told?.docks) return told && {};
-  const { folded, side, below, heights } = told.docks;
+  const answer = await act("GET", layoutPath(name));
+  if (answer?.plots.length) element("dock-plots").showSettings(answer.plots);
+  if (!answer?.docks) return answer && {};
+  const { folded, side, below, heights } = answer.docks;
   return { side, below, folded: Object.fromEntries(ids.map((id) => [id, folded.includes(id)])), heights: Object.fromEntries(Object.entries(heights).map(([id, size]) => [id, `${size}px`])) };
 }
 

@@ -22,7 +22,7 @@ def hand(workspace, client):
     dock.get_by_label("Step of the hand").select_option(index=1)
     dock.get_by_label("Axes of the jog").select_option("the base")
     workspace.page.wait_for_function(
-        "() => document.querySelector('st-hand').told.place !== null"
+        "() => document.querySelector('st-hand').live.place !== null"
     )
     return dock
 

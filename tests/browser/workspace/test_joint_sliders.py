@@ -19,7 +19,7 @@ def slider(workspace, enabled):
     # It follows what the controller is told, once that is known.
     workspace.page.wait_for_function(
         "() => document.querySelector('.slider').ariaDisabled === 'false'"
-        " && !document.querySelector('.slider .told').hidden"
+        " && !document.querySelector('.slider .command').hidden"
     )
     return slider
 

@@ -94,8 +94,8 @@ class FingerJoints:
         for interface in interfaces:
             for index, state in enumerate(self.states):
                 if in_states and type(interface) is JointStateInterface:
-                    told = (self.names[index], self._positions, none, none, index)
-                    interface.register_handle(JointStateHandle(*told))
+                    slots = (self.names[index], self._positions, none, none, index)
+                    interface.register_handle(JointStateHandle(*slots))
                 if isinstance(interface, PositionJointInterface):
                     handle = JointHandle(state, self._position_commands, index)
                     interface.register_handle(handle)

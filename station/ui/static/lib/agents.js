@@ -54,9 +54,9 @@ function draw() {
 }
 
 async function look() {
-  const told = await peek("/agents/requests");
-  if (!told) return;
-  waiting = told.requests.filter(({ verdict }) => verdict === null);
+  const answer = await peek("/agents/requests");
+  if (!answer) return;
+  waiting = answer.requests.filter(({ verdict }) => verdict === null);
   draw();
 }
 

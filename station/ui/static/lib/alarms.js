@@ -18,10 +18,10 @@ class Alarms extends EventTarget {
   }
 
   async look() {
-    const told = await peek("/alarms");
-    if (!told) return;
-    this.list = told.alarms;
-    const unseen = told.unacknowledged;
+    const answer = await peek("/alarms");
+    if (!answer) return;
+    this.list = answer.alarms;
+    const unseen = answer.unacknowledged;
     this.button.dataset.unseen = unseen ? "some" : "";
     show(this.button, unseen ? `▲ Alarms ${unseen}` : this.list.length ? `Alarms, seen` : "No alarms");
     this.dispatchEvent(new Event("change"));

@@ -72,8 +72,8 @@ export class Channels {
     }
     const timer = setInterval(async () => {
       if (document.hidden) return;
-      const told = await peek(source.poll);
-      if (told) tell(taken(source, told), store.stationTime);
+      const answer = await peek(source.poll);
+      if (answer) tell(taken(source, answer), store.stationTime);
     }, POLL_MS);
     return () => clearInterval(timer);
   }

@@ -46,13 +46,13 @@ export class Forecast {
 
   /** Try steps; a motion that would be completed can be made as it was rehearsed, unless it `isOfOther`. */
   async rehearse(steps, { isOfOther = false, before = "" } = {}) {
-    const told = await this.ask("Trying it …", "/rehearse", { steps, certificate: !isOfOther });
-    if (!told) return;
-    const name = told.certificate?.name;
+    const answer = await this.ask("Trying it …", "/rehearse", { steps, certificate: !isOfOther });
+    if (!answer) return;
+    const name = answer.certificate?.name;
     const move = name ? button("Move as rehearsed", "The robot moves like the ghost, and stops if it leaves that way.", () => this.carryOut(steps, name), { class: "s primary" }) : null;
-    this.show(`${before}${wordsOf(told)}`, told.outcome === "completed", [move, button("Play again", "Let the ghost move once more; the robot does not.", () => this.play(told))]);
+    this.show(`${before}${wordsOf(answer)}`, answer.outcome === "completed", [move, button("Play again", "Let the ghost move once more; the robot does not.", () => this.play(answer))]);
     // Who asked for less motion sees where it ends, and plays it by a click.
-    this.play(told, matchMedia("(prefers-reduced-motion: reduce)").matches);
+    this.play(answer, matchMedia("(prefers-reduced-motion: reduce)").matches);
   }
 
   /** Try a motion of the joints to positions, straight and at most at a speed [rad/s]. */
@@ -112,10 +112,10 @@ export class Forecast {
   async ask(text, path, body) {
     const asked = (this.asked += 1);
     this.show(text, true);
-    const told = await act("POST", path, body);
+    const answer = await act("POST", path, body);
     if (asked !== this.asked) return null; // another motion was asked for meanwhile
-    if (!told) this.close();
-    return told;
+    if (!answer) this.close();
+    return answer;
   }
 
   show(text, isGood, buttons = []) {

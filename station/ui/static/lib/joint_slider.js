@@ -22,12 +22,12 @@ export class JointSlider {
     this.wanted = null; // what keys asked for, until the joint is told so
     this.command = null;
     this.here = h("i", { class: "here", title: "Where the joint is" });
-    this.told = h("i", { class: "told", title: "What the joint is told" });
+    this.mark = h("i", { class: "command", title: "Commanded position" });
     this.thumb = h("i", { class: "thumb" });
     const [ariaValueMin, ariaValueMax] = [this.low, this.high];
     const title = "Drag the thumb, or use the arrow keys; with Shift in finer steps, with Page Up and Down in coarser ones. A click beside it goes there.";
     const pointer = { onpointerdown: (event) => this.grab(event), onpointermove: (event) => this.drag(event), onpointerup: () => this.letGo(), onpointercancel: () => this.end(), onlostpointercapture: () => this.end() };
-    this.element = h("div", { class: "slider", role: "slider", tabIndex: 0, title, ariaLabel: `Slider of ${label}`, ariaValueMin, ariaValueMax, onkeydown: (event) => this.press(event), ...pointer }, this.told, this.here, this.thumb);
+    this.element = h("div", { class: "slider", role: "slider", tabIndex: 0, title, ariaLabel: `Slider of ${label}`, ariaValueMin, ariaValueMax, onkeydown: (event) => this.press(event), ...pointer }, this.mark, this.here, this.thumb);
   }
 
   set disabled(disabled) {
@@ -124,8 +124,8 @@ export class JointSlider {
   draw() {
     const place = (mark, value) => (mark.style.left = `${this.part(value) * 100}%`);
     place(this.here, this.position ?? this.low);
-    this.told.hidden = this.command === null;
-    if (this.command !== null) place(this.told, this.command);
+    this.mark.hidden = this.command === null;
+    if (this.command !== null) place(this.mark, this.command);
     place(this.thumb, this.held ?? this.wanted ?? this.command ?? this.position ?? this.low);
   }
 }

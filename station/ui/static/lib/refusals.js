@@ -38,8 +38,8 @@ export const refusals = new Refusals();
 // What the strip asked for. It works without this log, so it asks whether somebody heard.
 window.addEventListener("station-refused", (event) => {
   event.preventDefault();
-  const { told, path } = event.detail;
-  refusals.add({ ...told, remedy: forPerson(told.remedy ?? "") }, path ? { method: "POST", path } : {});
+  const { refusal, path } = event.detail;
+  refusals.add({ ...refusal, remedy: forPerson(refusal.remedy ?? "") }, path ? { method: "POST", path } : {});
 });
 
 /** Return the remedies that are one click: a label and what the click does, or null. */

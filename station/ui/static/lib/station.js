@@ -89,9 +89,9 @@ export async function send(method, path, body, headers = {}) {
     if (link === "lost" && isRefused) throw linkIsLost();
     throw new Refusal(0, { code: "unreachable", detail: "The dashboard does not answer.", remedy: REMEDY });
   }
-  const told = answer.status === 204 ? {} : await answer.json().catch(() => undefined);
-  if (answer.ok && told !== undefined) return told;
-  throw answer.ok ? linkIsLost() : new Refusal(answer.status, told ?? {}); // cut off, or refused
+  const content = answer.status === 204 ? {} : await answer.json().catch(() => undefined);
+  if (answer.ok && content !== undefined) return content;
+  throw answer.ok ? linkIsLost() : new Refusal(answer.status, content ?? {}); // cut off, or refused
 }
 
 export const api = (method, path, body, headers) => send(method, API + path, body, headers);
@@ -175,10 +175,10 @@ class Teleoperation extends EventTarget {
   state = { controller: "", reason: "Waiting for the station.", remaining: 0 };
 
   connect() {
-    this.socket ??= new Socket("/workspace/teleoperation", (told) => {
-      if (told.refused) refusals.add(new Refusal(409, { code: told.code ?? "not_sent", detail: told.refused, remedy: told.remedy }));
-      this.state = told;
-      if (told.link === "live" && link !== "live") window.dispatchEvent(new Event("station-back"));
+    this.socket ??= new Socket("/workspace/teleoperation", (state) => {
+      if (state.refused) refusals.add(new Refusal(409, { code: state.code ?? "not_sent", detail: state.refused, remedy: state.remedy }));
+      this.state = state;
+      if (state.link === "live" && link !== "live") window.dispatchEvent(new Event("station-back"));
       this.dispatchEvent(new Event("change"));
     });
   }

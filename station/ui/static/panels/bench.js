@@ -105,9 +105,9 @@ customElements.define("st-bench", class Bench extends Panel {
 
   async list() {
     this.isListed = true;
-    const told = await peek("/bench-runs");
-    if (!told) return (this.isListed = false);
-    this.runs = told.runs.reverse();
+    const answer = await peek("/bench-runs");
+    if (!answer) return (this.isListed = false);
+    this.runs = answer.runs.reverse();
     return this.draw();
   }
 
@@ -123,21 +123,21 @@ customElements.define("st-bench", class Bench extends Panel {
     if (this.runName.value.trim()) body.name = this.runName.value.trim();
     this.isMeasuring = true;
     this.refresh();
-    const told = await act("POST", `/controllers/${controller}/bench`, body);
+    const answer = await act("POST", `/controllers/${controller}/bench`, body);
     this.isMeasuring = false;
     this.refresh();
-    await this.add(told);
+    await this.add(answer);
   }
 
   /** Show a new run over the one before of its sort. */
-  async add(told) {
-    if (!told) return;
+  async add(answer) {
+    if (!answer) return;
     this.runName.value = "";
-    this.curves.set(told.name, told);
-    const before = [...this.shown].filter((name) => name !== told.name && isSpectral(this.curves.get(name)) === isSpectral(told)).slice(-1);
-    this.shown = new Set([...before, told.name]);
+    this.curves.set(answer.name, answer);
+    const before = [...this.shown].filter((name) => name !== answer.name && isSpectral(this.curves.get(name)) === isSpectral(answer)).slice(-1);
+    this.shown = new Set([...before, answer.name]);
     await this.list();
-    show(this.state, told.kind === "relay" && !told.proposals.length ? "No gains are proposed: the joint did not oscillate, or its i and d were in force. Give “p alone” a value, or a larger size." : "");
+    show(this.state, answer.kind === "relay" && !answer.proposals.length ? "No gains are proposed: the joint did not oscillate, or its i and d were in force. Give “p alone” a value, or a larger size." : "");
   }
 
   async toggle(name) {

@@ -19,9 +19,9 @@ customElements.define("st-cameras", class CameraWall extends Panel {
     const { boot_id: bootId } = store.docks;
     if (bootId === this.bootId) return;
     this.bootId = bootId;
-    const told = await peek("/cameras");
-    if (!told) this.bootId = ""; // asked again
-    this.cameras = (told?.cameras ?? []).map((camera) => ({ ...camera, dueAt: 0, picture: this.pictureOf(camera), large: false }));
+    const answer = await peek("/cameras");
+    if (!answer) this.bootId = ""; // asked again
+    this.cameras = (answer?.cameras ?? []).map((camera) => ({ ...camera, dueAt: 0, picture: this.pictureOf(camera), large: false }));
     this.refresh();
   }
 

@@ -35,11 +35,11 @@ customElements.define("st-controllers", class Controllers extends Panel {
   /** Show who commands whose references, in the order of their updates. */
   async drawChains(states) {
     this.states = states;
-    const told = await peek("/controllers/chains");
-    if (!told) return (this.states = ""); // asked again
-    const drawn = new Map(told.controllers.map((c) => [c.name, `${c.state === "running" ? "●" : "○"} ${c.name}${c.is_in_chained_mode ? " (chained)" : ""}`]));
+    const answer = await peek("/controllers/chains");
+    if (!answer) return (this.states = ""); // asked again
+    const drawn = new Map(answer.controllers.map((c) => [c.name, `${c.state === "running" ? "●" : "○"} ${c.name}${c.is_in_chained_mode ? " (chained)" : ""}`]));
     const link = ({ name, following }) => html`<p class="hint">${drawn.get(name)} → ${following.map((each) => drawn.get(each) ?? each).join(", ")}</p>`;
-    return render(told.controllers.filter(({ following }) => following.length).map(link), this.chains);
+    return render(answer.controllers.filter(({ following }) => following.length).map(link), this.chains);
   }
 
   row(c) {

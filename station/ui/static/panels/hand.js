@@ -72,7 +72,7 @@ customElements.define("st-hand", class Hand extends Panel {
   }
 
   /** The state of this hand; a station with one arm does not name the arm. */
-  get told() {
+  get live() {
     const { hands } = teleoperation.state;
     return hands?.[this.armName] ?? hands?.[""];
   }
@@ -142,7 +142,7 @@ customElements.define("st-hand", class Hand extends Panel {
 
   /** Fill in what the hand is told, or else where it is. */
   fillIn() {
-    const place = this.told?.place;
+    const place = this.live?.place;
     if (!place) return;
     this.targets.forEach((input, i) => (input.value = number(place[i], 4)));
     this.angles.forEach((angle, i) => angle.put(place[i + FIRST_TURN]));
@@ -167,14 +167,14 @@ customElements.define("st-hand", class Hand extends Panel {
   /** Let a running jog controller move the hand in other axes. */
   async setFrame() {
     if (this.isStepping) return; // steps are made here
-    const { controller } = this.told.jog;
+    const { controller } = this.live.jog;
     await act("PATCH", `/controllers/${controller}/gains`, { values: { frame: Number(this.axes.value) } });
     this.framed = ""; // asked again, also when it was refused
   }
 
   refresh() {
-    if (!this.told) return;
-    const { jog, target, message, fastest } = this.told;
+    if (!this.live) return;
+    const { jog, target, message, fastest } = this.live;
     const isOf = ({ controller, reason }) => Boolean(controller) && !reason;
     this.isStepping = isOf(target);
     this.handButtons.forEach((button, i) => {

@@ -80,10 +80,10 @@ customElements.define("st-joints", class Joints extends Panel {
   }
 
   async writePoses(waypoints) {
-    const told = await (waypoints.length ? act("PUT", POSES, { waypoints }) : act("DELETE", POSES));
-    if (told) this.kept = waypoints;
+    const answer = await (waypoints.length ? act("PUT", POSES, { waypoints }) : act("DELETE", POSES));
+    if (answer) this.kept = waypoints;
     this.showPoses();
-    return told;
+    return answer;
   }
 
   async savePose() {

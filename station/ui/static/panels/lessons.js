@@ -37,12 +37,12 @@ customElements.define("st-lessons", class LessonBook extends Panel {
 
   async list() {
     this.isListed = true;
-    const told = await peek(`/lessons?person=${encodeURIComponent(this.person.value.trim())}`);
-    if (!told) return (this.isListed = false);
-    const chosen = this.choice.value || told.lessons.find((one) => one.is_begun)?.name || told.lessons.find((one) => !one.is_solved)?.name;
-    this.lessons = told.lessons;
-    this.unusable = told.unusable;
-    offer(this.choice, told.lessons.map((one, i) => [one.name, `${one.is_solved ? "✔ " : ""}${i + 1}. ${one.title}`]));
+    const answer = await peek(`/lessons?person=${encodeURIComponent(this.person.value.trim())}`);
+    if (!answer) return (this.isListed = false);
+    const chosen = this.choice.value || answer.lessons.find((one) => one.is_begun)?.name || answer.lessons.find((one) => !one.is_solved)?.name;
+    this.lessons = answer.lessons;
+    this.unusable = answer.unusable;
+    offer(this.choice, answer.lessons.map((one, i) => [one.name, `${one.is_solved ? "✔ " : ""}${i + 1}. ${one.title}`]));
     if (chosen) this.choice.value = chosen;
     return this.refresh();
   }

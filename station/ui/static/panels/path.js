@@ -98,19 +98,19 @@ customElements.define("st-path", class Path extends Panel {
   }
 
   async capture() {
-    const told = await act("POST", `${this.url}/capture`, {});
-    if (told) {
-      this.says = `Captured ${told.waypoints.at(-1).name} of ${told.name}.`;
-      this.draw(told);
+    const answer = await act("POST", `${this.url}/capture`, {});
+    if (answer) {
+      this.says = `Captured ${answer.waypoints.at(-1).name} of ${answer.name}.`;
+      this.draw(answer);
     }
     this.read().catch(() => {});
   }
 
   /** Save changed waypoints; what the station refuses is shown as it was before. */
   async save(waypoints) {
-    const told = await act("PUT", this.url, { waypoints });
+    const answer = await act("PUT", this.url, { waypoints });
     this.drawn = null;
-    if (told) this.draw(told);
+    if (answer) this.draw(answer);
     else await this.open(this.path.name);
   }
 
@@ -211,8 +211,8 @@ customElements.define("st-path", class Path extends Panel {
   }
 
   async ask(method, path, body) {
-    const told = await act(method, path, body);
-    if (told) this.showPlayback(told);
+    const answer = await act(method, path, body);
+    if (answer) this.showPlayback(answer);
   }
 
   async look() {

@@ -64,9 +64,9 @@ customElements.define("st-scene-objects", class SceneObjects extends Panel {
   }
 
   async change(method, name, body) {
-    const told = await act(method, pathOf(name), body);
+    const answer = await act(method, pathOf(name), body);
     await this.look().catch(() => {}); // a lost station is in the strip
-    return told;
+    return answer;
   }
 
   numbers(text) {

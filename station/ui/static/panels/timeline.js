@@ -53,11 +53,11 @@ customElements.define("st-timeline", class Timeline extends Panel {
     if (id === "alarms") return this.tell("", alarmRows());
     try {
       const path = id === "events" ? `/events?limit=${SHOWN}` : `/${id}`;
-      const told = await api("GET", path, undefined, { Accept: "application/json" });
+      const answer = await api("GET", path, undefined, { Accept: "application/json" });
       if (id !== this.chosen) return;
-      if (id === "events") this.hear(told.events);
-      else if (id === "experiments") this.draw(told.experiments.map((one) => ({ ...one, identifier: one.name, started_at: one.created_at })).sort((a, b) => a.started_at.localeCompare(b.started_at)));
-      else this.draw(told.recordings);
+      if (id === "events") this.hear(answer.events);
+      else if (id === "experiments") this.draw(answer.experiments.map((one) => ({ ...one, identifier: one.name, started_at: one.created_at })).sort((a, b) => a.started_at.localeCompare(b.started_at)));
+      else this.draw(answer.recordings);
     } catch (error) {
       if (id !== this.chosen || error.status === 0 || error.status >= 500) return; // The strip says so.
       this.tell(`${error.detail} ${error.remedy}`);

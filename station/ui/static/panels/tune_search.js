@@ -28,11 +28,11 @@ customElements.define("st-tune-search", class TuneSearch extends Panel {
     this.isStarting = true;
     this.refresh();
     const commands = [{ kind: "step", joint, amplitude: size }];
-    const told = await act("POST", "/experiments", { kind: "tune", controller, joints: joint ? [joint] : null, trials, duration: seconds, commands });
+    const answer = await act("POST", "/experiments", { kind: "tune", controller, joints: joint ? [joint] : null, trials, duration: seconds, commands });
     this.isStarting = false;
-    if (!told) return this.refresh();
-    Object.assign(this, { joint, name: told.name, drawnBest: null });
-    this.show(told);
+    if (!answer) return this.refresh();
+    Object.assign(this, { joint, name: answer.name, drawnBest: null });
+    this.show(answer);
   }
 
   get url() {
@@ -43,14 +43,14 @@ customElements.define("st-tune-search", class TuneSearch extends Panel {
     if (this.shown && this.shown.state !== "running") return;
     this.name ||= newestOf((await api("GET", "/experiments")).experiments);
     // An experiment that was deleted is none.
-    const told = this.name && (await api("GET", this.url).catch((error) => error.status === 404 && (this.name = "")));
-    if (told) this.show(told);
+    const answer = this.name && (await api("GET", this.url).catch((error) => error.status === 404 && (this.name = "")));
+    if (answer) this.show(answer);
     else this.shown = undefined;
   }
 
-  show(told) {
-    this.shown = told;
-    if (told.best && told.best.hash !== this.drawnBest) this.readBest(told);
+  show(answer) {
+    this.shown = answer;
+    if (answer.best && answer.best.hash !== this.drawnBest) this.readBest(answer);
     this.refresh();
   }
 
@@ -62,24 +62,24 @@ customElements.define("st-tune-search", class TuneSearch extends Panel {
   }
 
   view() {
-    const told = this.shown;
-    const running = told?.state === "running";
-    const row = (one) => html`<tr><td>${one[1]}</td>${[told.first, told.best].map((trial) => html`<td>${trial ? figureOf(trial, one) : "–"}</td>`)}</tr>`;
-    const says = told ? this.progressOf(told) : "Tries gains in a simulated copy of this station, in a process of its own; the robot stays as it is. You see the change before it is applied.";
+    const answer = this.shown;
+    const running = answer?.state === "running";
+    const row = (one) => html`<tr><td>${one[1]}</td>${[answer.first, answer.best].map((trial) => html`<td>${trial ? figureOf(trial, one) : "–"}</td>`)}</tr>`;
+    const says = answer ? this.progressOf(answer) : "Tries gains in a simulated copy of this station, in a process of its own; the robot stays as it is. You see the change before it is applied.";
     return html`<div class="line"><b>Search</b>${Object.values(this.fields).map(({ label }) => label)}
         ${press("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), { look: "s primary", needs: "change", off: () => this.isStarting || this.shown?.state === "running" || !this.tuning?.chosen.controller })}
-        ${running ? press("Cancel search", "End the search; the best so far stays", () => act("POST", `${this.url}/cancel`).then((told) => told && this.show(told)), { needs: "change" }) : ""}</div>
-      <progress max="1" value=${told?.trials ? told.ended / told.trials : 0} ?hidden=${!running} aria-label="Progress of the search"></progress>
+        ${running ? press("Cancel search", "End the search; the best so far stays", () => act("POST", `${this.url}/cancel`).then((answer) => answer && this.show(answer)), { needs: "change" }) : ""}</div>
+      <progress max="1" value=${answer?.trials ? answer.ended / answer.trials : 0} ?hidden=${!running} aria-label="Progress of the search"></progress>
       <p class="hint state" role="status">${this.isStarting ? "Starting a process for the trials …" : says}</p>
-      <div ?hidden=${!told?.best}>${this.chart}<table class="metrics"><thead><tr><th></th><th>at the start</th><th>best so far</th></tr></thead><tbody>${told?.best ? SHOWN.map(row) : ""}</tbody></table></div>
-      <div class="line">${told?.best ? press("Preview gains …", "Show which gains would change", () => this.preview()) : ""}
-        ${told?.best && this.previewed ? press("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), { look: "s primary", needs: "change" }) : ""}</div>
+      <div ?hidden=${!answer?.best}>${this.chart}<table class="metrics"><thead><tr><th></th><th>at the start</th><th>best so far</th></tr></thead><tbody>${answer?.best ? SHOWN.map(row) : ""}</tbody></table></div>
+      <div class="line">${answer?.best ? press("Preview gains …", "Show which gains would change", () => this.preview()) : ""}
+        ${answer?.best && this.previewed ? press("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), { look: "s primary", needs: "change" }) : ""}</div>
       <p class="hint">${this.differs}</p>`;
   }
 
   /** Read what the best trial has done; what was previewed was another one's. */
-  async readBest(told) {
-    this.drawnBest = told.best.hash;
+  async readBest(answer) {
+    this.drawnBest = answer.best.hash;
     this.previewed = null;
     this.differs = "";
     // Without an answer the table says it; the next best trial is drawn again.
@@ -98,20 +98,20 @@ customElements.define("st-tune-search", class TuneSearch extends Panel {
   }
 
   async preview() {
-    const told = await act("GET", `${this.url}/preview`);
-    if (!told) return;
-    const lines = told.differences.map((d) => `${d.controller} ${d.name}: ${number(d.present, 3)} → ${number(d.saved, 3)}`);
-    this.previewed = lines.length ? told : null;
+    const answer = await act("GET", `${this.url}/preview`);
+    if (!answer) return;
+    const lines = answer.differences.map((d) => `${d.controller} ${d.name}: ${number(d.present, 3)} → ${number(d.saved, 3)}`);
+    this.previewed = lines.length ? answer : null;
     this.differs = lines.length ? `Would change ${lines.join("; ")}.` : "Nothing would change: these gains are in force.";
     this.refresh();
   }
 
   async apply() {
     const { trial, revisions } = this.previewed;
-    const told = await act("POST", `${this.url}/apply`, { trial, revisions });
+    const answer = await act("POST", `${this.url}/apply`, { trial, revisions });
     this.previewed = null;
-    if (told) this.differs = `Applied, and saved as the set “${this.name}”. Undo, above, takes them back.`;
+    if (answer) this.differs = `Applied, and saved as the set “${this.name}”. Undo, above, takes them back.`;
     this.refresh();
-    if (told) this.tuning.reread();
+    if (answer) this.tuning.reread();
   }
 });

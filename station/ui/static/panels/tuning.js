@@ -39,11 +39,11 @@ customElements.define("st-gain-sets", class GainSets extends Panel {
 
   /** Ask which sets there are; `chosen` is shown, if it is one of them. */
   async list(chosen = this.sets.value) {
-    const told = await peek("/gain-sets");
-    if (!told) return;
-    this.undoable = told.undoable_changes;
-    offer(this.sets, told.gain_sets);
-    if (told.gain_sets.includes(chosen)) this.sets.value = chosen;
+    const answer = await peek("/gain-sets");
+    if (!answer) return;
+    this.undoable = answer.undoable_changes;
+    offer(this.sets, answer.gain_sets);
+    if (answer.gain_sets.includes(chosen)) this.sets.value = chosen;
     await this.showDiff();
   }
 
