@@ -81,8 +81,8 @@ class Joint(RobotHW):
 class Bench:
     """The robot, the controllers old (running), new and more, and the observer."""
 
-    def __init__(self, *, combined: bool, runs: bool) -> None:
-        self.scripts = [HookScript(), HookScript()]
+    def __init__(self, *, combined: bool, runs: bool, joints: int = 2) -> None:
+        self.scripts = [HookScript() for _ in range(joints)]
         self.joints = [
             Joint(f"j{number}", script) for number, script in enumerate(self.scripts)
         ]
@@ -291,6 +291,22 @@ def test_every_fifth_switch_of_two_robots_does_too():
 
 def test_the_model_tries_every_combination():
     assert len(list(cases())) == 11_256
+
+
+@pytest.mark.parametrize("failing", ["new", "more", "third"])
+def test_all_that_have_begun_are_stopped_when_another_fails_to_start(failing):
+    bench = Bench(combined=True, runs=True, joints=3)
+    bench.claims["third"] = ["j2"]
+    bench.load("third", "Velocity", ["j2"])
+    bench.manager.get_controller(failing).actions["starting"] = lambda: 1 / 0
+
+    with pytest.raises(StationError, match=f"'{failing}'"):
+        bench.switch(["new", "more", "third"], ["old"])
+    bench.step()
+
+    assert bench.running() == {"old"}
+    assert bench.told() == bench.expected()
+    assert bench.observer.problems == []
 
 
 @pytest.mark.parametrize("request_", [([], []), (["nobody"], [])])
