@@ -239,9 +239,8 @@ class ContactEstimate:
         return found
 
 
-_NUMBERS = 16381
-"""Count of random numbers. A cycle draws 14 of them in pairs, so that each joint gets
-the same numbers again after 1170 cycles."""
+_NUMBERS = 16384
+"""Count of random numbers that noise is drawn from."""
 _RELEASE_TIME = 0.1
 """Time for which all signals must be released until the contact in which the arm
 recovered has ended [s]. Without it, near a singular pose, the noise of some newtons

@@ -7,6 +7,7 @@ from station.memory.functions cimport exponential
 
 cdef int _WEAK, _TOUCHED, _LOST
 cdef double _LARGEST_POWER, _RELAXATION
+cdef unsigned long long _FACTOR, _STEP, _MASK
 
 cdef class FrictionAndObserver(Preparation):
     cdef readonly Py_ssize_t size
@@ -24,7 +25,7 @@ cdef class FrictionAndObserver(Preparation):
     cdef public double lasting_gain
     cdef readonly bint has_wrench
     cdef public Py_ssize_t weak
-    cdef Py_ssize_t drawn
+    cdef unsigned long long dice
     cdef public long cycles_to_loss
     cpdef int sense(self)
     cdef disturb(self)

@@ -51,6 +51,11 @@ LOST = 4
 _LARGEST_POWER = 700.0  # the exponential of a larger number is not finite
 # T above [s], damping over stiffness; it gives at least half of critical damping.
 _RELAXATION = 0.005
+# Linear congruential generator of 64 bits: D. Knuth, The Art of Computer Programming 2,
+# 3.3.4, MMIX. Its low bits are not random, so the high ones are used.
+_FACTOR = 6364136223846793005
+_STEP = 1442695040888963407
+_MASK = 2**64 - 1
 _WEAK = WEAK
 _TOUCHED = TOUCHED
 _LOST = LOST
@@ -67,7 +72,7 @@ class FrictionAndObserver(Preparation):
         fields: Returns the memory of a field of the arm's state by libfranka's name;
             the memory is kept.
         chain: The arm's chain of n joints, see `arm_chain`.
-        noise: Random numbers of mean 0 and variance 1, used again and again.
+        noise: Random numbers of mean 0 and variance 1, used in random order.
         period: Duration of a cycle [s], > 0.
 
     Attributes:
@@ -165,14 +170,14 @@ class FrictionAndObserver(Preparation):
         self.following = 1.0
         self.cycles_to_loss = 0
         self.equation = WrenchEquation()
-        self.drawn = 0
+        self.dice = 0
         self.velocity = zeros(size)  # as measured
         self.change = zeros(size)
         self.momentum = zeros(size)
 
     def rest(self) -> None:
         """Begin anew at rest, without an estimate and with the first random numbers."""
-        self.drawn = 0
+        self.dice = 0
         for i in range(self.size):
             self.velocity[i] = 0.0
             self.bristle[i] = 0.0
@@ -281,21 +286,19 @@ class FrictionAndObserver(Preparation):
         velocity, change = self.velocity, self.change
         positions, theta, compliance = memory.positions, self.theta, self.compliance
         spread, bias = self.velocity_noise, self.torque_bias
-        torque_spread = self.torque_noise
-        drawn, last = self.drawn, len(noise) - 2
+        torque_spread, count = self.torque_noise, len(noise)
+        # Numbers used in their order would be a tone in the spectrum of the noise.
         for i in range(self.size):
-            if drawn > last:
-                drawn = 0
-            measured = dtheta[i] + spread[i] * noise[drawn]
-            error = bias[i] + torque_spread[i] * noise[drawn + 1]
-            drawn += 2
+            self.dice = (self.dice * _FACTOR + _STEP) & _MASK
+            measured = dtheta[i] + spread[i] * noise[(self.dice >> 33) % count]
+            self.dice = (self.dice * _FACTOR + _STEP) & _MASK
+            error = bias[i] + torque_spread[i] * noise[(self.dice >> 33) % count]
             change[i] = measured - velocity[i]
             velocity[i] = measured
             dq[i] = measured
             error += tau[i]
             tau[i] = error
             theta[i] = positions[i] + compliance[i] * error
-        self.drawn = drawn
 
     def settle_elasticity(self) -> None:
         """Set the positions of the motors: those of the links plus the joints' bend."""

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from math import exp, inf
 
+import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
@@ -155,6 +156,27 @@ def test_a_joint_that_sticks_holds_against_every_torque_up_to_the_static_frictio
     # 20 cycles at 1e-8 rad/s, and the damping: 5 ms times the speed.
     assert found[-1][0] == pytest.approx(-0.5 * (20e-11 + 5e-11) / 1e-4)
     assert [one[1] for one in found[10:]] == pytest.approx([-1.0 / 1.25] * 10)
+
+
+def test_noise_has_no_tone_though_its_numbers_are_few():
+    none = (0.0, 0.0)
+    bench = Bench(
+        compiled("friction_and_observer"),
+        [0.0] * 4,
+        velocity_noise=(1.0, 1.0),
+        torque_noise=(1.0, 1.0),
+    )
+    rows = []
+    for _ in range(4096):
+        put(bench.memory.dtheta, none)
+        put(bench.memory.tau_J, none)
+        bench.part.sense()
+        rows.append([*bench.memory.dq, *bench.memory.tau_J])
+    found = np.array(rows) - np.mean(rows, axis=0)
+    power = np.abs(np.fft.rfft(found, axis=0)[1:-1]) ** 2
+    # The lines of white noise are exponentially distributed: one of 8188 is 20 times
+    # the mean with a probability of 2e-5.
+    assert np.max(power / power.mean(axis=0)) < 20.0
 
 
 def test_the_static_friction_is_gone_at_speed():
