@@ -130,9 +130,9 @@ class ApiServer:
             ServerStartError: The address is in use, or does not belong to this machine.
         """
         listeners: list[socket.socket] = []
-        doors: list[ApiServer | ToolPort[Any]] = [self, *self._ports]
+        servers: list[ApiServer | ToolPort[Any]] = [self, *self._ports]
         try:
-            for one in doors:
+            for one in servers:
                 listeners.append(_listen(one.host, one.port))
                 one.port = listeners[-1].getsockname()[1]
         except ServerStartError:

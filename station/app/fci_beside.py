@@ -20,9 +20,13 @@ from station.core.facade.station import Station
 from station.core.franka import GripperServicesInterface
 from station.core.loop.stop_latch import StopState
 from station.hw.franka.fci.desk.desk_state import Desk
-from station.hw.franka.fci.server import fci_door
+from station.hw.franka.fci.server import fci_process
 from station.hw.franka.fci.server.client_port import FciPortError
-from station.hw.franka.fci.server.fci_guest import FciGuest, HandGuest, with_guests
+from station.hw.franka.fci.server.client_services import (
+    ArmClientService,
+    HandClientService,
+    with_client_services,
+)
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.franka_hw import FrankaHW
@@ -37,8 +41,8 @@ _END = 2.0
 class FciBeside:
     """Connects a process that serves libfranka's clients with a station's arm and hand.
 
-    The process moves bytes (`fci_door`). A thread reads the requests of a client from
-    the process, and lets the control thread carry them out between two cycles.
+    The process moves bytes (`fci_process`). A thread reads the requests of a client
+    from the process, and lets the control thread carry them out between two cycles.
 
     Args:
         station: The station; its loop need not run yet.
@@ -73,10 +77,10 @@ class FciBeside:
         features = features_of(hw.parameters, version, warn)
         self._loop, self._hw, self._host, self._warn = loop, hw, host, warn
         self._memory = os.memfd_create("station-fci")
-        os.ftruncate(self._memory, fci_door.MEMORY_BYTES)
-        shared, hand = mmap.mmap(self._memory, fci_door.MEMORY_BYTES), _hand_of(hw)
+        os.ftruncate(self._memory, fci_process.MEMORY_BYTES)
+        shared, hand = mmap.mmap(self._memory, fci_process.MEMORY_BYTES), _hand_of(hw)
         self._pages = SharedPage(shared), SharedPage(shared, PAGE_BYTES)
-        self._guest = FciGuest(
+        self._service = ArmClientService(
             hw.arm,
             self._pages[0],
             features,
@@ -84,19 +88,21 @@ class FciBeside:
             may_move=self._may_move,
             now=loop.clock.now,
         )
-        self._hand: HandGuest | None = None
+        self._hand: HandClientService | None = None
         if hand is not None:
-            self._hand = HandGuest(hand, self._pages[1], may_move=self._may_move)
+            self._hand = HandClientService(
+                hand, self._pages[1], may_move=self._may_move
+            )
         self._closing = contextlib.ExitStack()
         self._process: subprocess.Popen[bytes] | None = None
         self._restarts = RestartLimit()
         # One thread carries out the requests of Desk one after the other.
         self._changes = ThreadPoolExecutor(1, "fci-desk")
         self._closing.callback(os.close, self._memory)
-        self._closing.callback(self._close_door)
+        self._closing.callback(self._end_process)
         self._closing.callback(self._changes.shutdown)
         try:
-            self._open_door()
+            self._start_process()
             if desk_port is not None:
                 # Imported here, because only Desk needs a web server.
                 from station.hw.franka.fci.desk.desk_server import DeskServer
@@ -125,9 +131,11 @@ class FciBeside:
 
     def open_or_close(self, *, is_open: bool) -> Future[None]:
         """Start the process that clients connect to, or end it; see `ServerOfDesk`."""
-        return self._changes.submit(self._open_door if is_open else self._close_door)
+        return self._changes.submit(
+            self._start_process if is_open else self._end_process
+        )
 
-    def _open_door(self) -> None:
+    def _start_process(self) -> None:
         """Start the process that serves clients, if it does not run.
 
         Raises:
@@ -139,7 +147,7 @@ class FciBeside:
             page.take_answers()
         self._pipe, other = multiprocessing.Pipe()
         inherited = (other.fileno(), self._memory)
-        command = [sys.executable, "-m", fci_door.__name__, self._host]
+        command = [sys.executable, "-m", fci_process.__name__, self._host]
         command += [*map(str, inherited), *([] if self._hand is None else ["hand"])]
         with other:
             # The process keeps the scheduling of the station's threads, because it
@@ -153,13 +161,13 @@ class FciBeside:
             )
         self._thread = threading.Thread(target=self._serve, name="fci", daemon=True)
         try:
-            self._await_door()
+            self._await_process()
         except StationError:
-            self._close_door()
+            self._end_process()
             raise
         self._thread.start()
 
-    def _close_door(self) -> None:
+    def _end_process(self) -> None:
         """End the process, if it runs, and so disconnect the client."""
         process, self._process = self._process, None
         if process is None:
@@ -170,28 +178,28 @@ class FciBeside:
             self._thread.join(_END)
         self._pipe.close()
 
-    def _await_door(self) -> None:
+    def _await_process(self) -> None:
         """Wait until the process listens.
 
         Raises:
             FciPortError: The process cannot listen, or does not listen in time.
         """
         reason = f"The server at {self._host} did not start."
-        with contextlib.suppress(*fci_door.GONE):
+        with contextlib.suppress(*fci_process.GONE):
             if self._pipe.poll(_START):
                 *_, reason = self._pipe.recv()
         if reason:
             raise FciPortError(reason, remedy="Choose another fci.host.")
 
     def _welcome(self) -> None:
-        self._hw.guest = self._guest
+        self._hw.client_service = self._service
         hw, cycle, period = self._loop.hw, self._loop.control_cycle, self._loop.period
         longest = cycle.longest_period
 
         def wait(is_waiting: bool) -> None:  # noqa: FBT001 - called in every cycle
             cycle.longest_period = period if is_waiting else longest
 
-        read = with_guests(self._guest, hw.read, wait, self._hand)
+        read = with_client_services(self._service, hw.read, wait, self._hand)
         hw.read = read  # type: ignore[assignment,method-assign]
 
     def _may_move(self) -> bool:
@@ -210,19 +218,19 @@ class FciBeside:
                     answers, reason = error.answers, error.message
                 except StationError as error:
                     reason = error.message
-                if news := reason or self._guest.take_reason():
+                if news := reason or self._service.take_reason():
                     _logger.warning("Franka Control Interface: %s", news)
                 pipe.send((answers, port, reason))
-        except fci_door.GONE:
+        except fci_process.GONE:
             self._say_goodbye()
-        # Whoever closes the door has taken the process away before.
+        # Whoever ends the process has taken it away before.
         if self._process is not None:
             with contextlib.suppress(RuntimeError):  # the station is about to end
-                self._changes.submit(self._replace_door)
+                self._changes.submit(self._replace_process)
 
-    def _replace_door(self) -> None:
+    def _replace_process(self) -> None:
         """Start the process again, which has ended by itself."""
-        self._close_door()
+        self._end_process()
         end = "The process that serves clients of the FCI has ended"
         # A process that ends at once would keep the station busy with restarts.
         if not self._restarts.allows_another():
@@ -230,26 +238,26 @@ class FciBeside:
             return
         self._warn(f"{end}; another begins.")
         try:
-            self._open_door()
+            self._start_process()
         except StationError as error:
             self._warn(f"Clients of the FCI are served no more: {error}")
 
     def _carry_out(self, request: tuple[bool, int, bytes]) -> tuple[bytes, int | None]:
         """Carry out a request of the process. Control thread."""
         is_hand, kind, data = request
-        guest = self._hand if is_hand and self._hand is not None else self._guest
-        if kind == fci_door.DATA:
-            return guest.receive(data)
-        if kind == fci_door.OPEN:
-            guest.open()
+        service = self._hand if is_hand and self._hand is not None else self._service
+        if kind == fci_process.DATA:
+            return service.receive(data)
+        if kind == fci_process.OPEN:
+            service.open()
         else:
-            guest.leave()
+            service.leave()
         return b"", None
 
     def _say_goodbye(self) -> None:
         """End the motion of the last client."""
         try:
-            self._loop.run_in_cycle(self._guest.leave)
+            self._loop.run_in_cycle(self._service.leave)
             if self._hand is not None:
                 self._loop.run_in_cycle(self._hand.leave)
         except StationError as error:

@@ -30,7 +30,7 @@ from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 from station.wire import GripperMoveRequest
 from tests.api.conftest import AppTransport
-from tests.hw.franka.fci.server.test_fci_guest import hand_of
+from tests.hw.franka.fci.server.test_client_services import hand_of
 from tests.hw.franka.plain_model import PlainModel
 from tests.waiting import wait_until
 
@@ -198,7 +198,7 @@ def test_process_that_dies_is_told_and_replaced_unless_it_dies_too_often(tmp_pat
         return True
 
     def kill_it():
-        command = ["pgrep", "-P", str(os.getpid()), "-f", "fci_door"]
+        command = ["pgrep", "-P", str(os.getpid()), "-f", "fci_process"]
         found = subprocess.run(command, capture_output=True, text=True, check=True)
         os.kill(int(found.stdout), signal.SIGKILL)
 

@@ -9,7 +9,7 @@ HOUSE_WORDS = set(
     re.findall(
         r"\w+",
         """
-        alarm bench dock door epoch gate ghost guard guest incident latch layer
+        alarm bench dock epoch gate ghost guard incident latch layer
         lease port ring sample scorecard seam slot snapshot storm tap
         tunable
         """,

@@ -18,7 +18,7 @@ import time
 from contextlib import suppress
 from typing import Any
 
-from station.app.watchdog.door import Door
+from station.app.watchdog.server import WatchdogServer
 from station.app.watchdog.watch import LOOK_PERIOD, Watch, WatchdogSettings
 from station.core.loop.heartbeat import PAGE_BYTES, Heartbeat
 
@@ -54,23 +54,23 @@ def main(page: int, listener: int, stacks: int) -> int:
         forget_stacks=lambda: os.ftruncate(stacks, 0),
         read_stacks=read_stacks,
     )
-    door = Door(socket.socket(fileno=listener), settings, watch)
+    server = WatchdogServer(socket.socket(fileno=listener), settings, watch)
     for line in lines:
-        _take(watch, door, json.loads(line))
+        _take(watch, server, json.loads(line))
     # A process forked from the station may keep the station's end of the pipe open, so
     # check the parent, too.
     while os.getppid() == settings.pid and not station.has_ended:
-        descriptors = [station.descriptor, door.fileno()]
+        descriptors = [station.descriptor, server.fileno()]
         ready, _, _ = select.select(descriptors, [], [], LOOK_PERIOD)
         lines = station.lines() if station.descriptor in ready else []
-        with door.lock:
+        with server.lock:
             for line in lines:
-                _take(watch, door, json.loads(line))
+                _take(watch, server, json.loads(line))
             now = time.monotonic()
             watch.look(now)
         watch.heartbeat.watchdog_beats[0] = now
-        door.handle_request()
-    door.server_close()
+        server.handle_request()
+    server.server_close()
     return 0
 
 
@@ -109,9 +109,11 @@ class _StationPipe:
         return lines
 
 
-def _take(watch: Watch, door: Door, message: dict[str, dict[str, Any]]) -> None:
+def _take(
+    watch: Watch, server: WatchdogServer, message: dict[str, dict[str, Any]]
+) -> None:
     if "token" in message:
-        door.take_token(**message["token"])
+        server.take_token(**message["token"])
     elif "settings" in message:
         watch.take_settings(_settings(message["settings"]))
     else:

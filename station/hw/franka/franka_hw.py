@@ -84,7 +84,7 @@ from station.memory.direct_calls import call_directly
 
 if TYPE_CHECKING:
     from station.hw.franka.fci.driver.connection import RealRobot
-    from station.hw.franka.fci.server.fci_guest import FciGuest
+    from station.hw.franka.fci.server.client_services import ArmClientService
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
@@ -115,8 +115,8 @@ class FrankaHW(RobotHW):
     Attributes:
         commands: The command buffers and their limits; from `init` on.
         cartesian: The buffers and limits of Cartesian commands.
-        guest: A client that may command the arm while no controller does; None if
-            clients are not served.
+        client_service: Serves a client that may command the arm while no controller
+            does; None if clients are not served.
     """
 
     def __init__(self, arm: RobotArm | None = None) -> None:
@@ -124,7 +124,7 @@ class FrankaHW(RobotHW):
         self._world: FrankaWorld | None = None
         self._arm = arm
         self._real: RealRobot | None = None
-        self.guest: FciGuest | None = None
+        self.client_service: ArmClientService | None = None
         self._fingers: FingerJoints | None = None
 
     @override
@@ -356,7 +356,8 @@ class FrankaHW(RobotHW):
             check_free(
                 arm_id,
                 is_connected=self._services.is_connected(),
-                has_guest=self.guest is not None and self.guest.is_moving,
+                has_client=self.client_service is not None
+                and self.client_service.is_moving,
                 blindness=self._reading.blindness(),
             )
         if not is_supported(mode):
@@ -557,14 +558,14 @@ def arm_cycles_of(
 
 
 def check_free(
-    arm_id: str, *, is_connected: bool, has_guest: bool, blindness: str | None
+    arm_id: str, *, is_connected: bool, has_client: bool, blindness: str | None
 ) -> None:
     """Refuse to start controllers of an arm that is not free for them.
 
     Args:
         arm_id: Name of the arm.
         is_connected: Whether the arm is connected.
-        has_guest: Whether a client of the Franka Control Interface moves the arm.
+        has_client: Whether a client of the Franka Control Interface moves the arm.
         blindness: Name of a reading that is not finite; None if all are finite.
 
     Raises:
@@ -574,7 +575,7 @@ def check_free(
         raise SwitchRefusedError(
             f"Arm '{arm_id}' is not connected.", remedy="Connect the arm first."
         )
-    if has_guest:
+    if has_client:
         raise SwitchRefusedError(
             f"A client of the Franka Control Interface moves arm '{arm_id}'.",
             remedy="Let the client end its motion first.",

@@ -1,4 +1,4 @@
-"""Goals of grippers at the door."""
+"""Goals of grippers as clients send them."""
 
 import pytest
 

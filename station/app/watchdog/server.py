@@ -28,7 +28,7 @@ Answer = tuple[int, dict[str, object]]
 """HTTP status and body of an answer."""
 
 
-class Door(ThreadingHTTPServer):
+class WatchdogServer(ThreadingHTTPServer):
     """Serves `GET /ready`, `GET /incident` and `POST /stop` on a loopback socket.
 
     `handle_request` accepts a waiting connection, and returns at once.
@@ -169,7 +169,7 @@ class Door(ThreadingHTTPServer):
 class _Client(BaseHTTPRequestHandler):
     """A client, which may send one request."""
 
-    server: Door
+    server: WatchdogServer
     protocol_version = default_request_version = "HTTP/1.1"
     wbufsize = -1  # send head and body in one packet
     error_content_type = "application/json"

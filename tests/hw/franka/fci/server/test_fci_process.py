@@ -8,12 +8,12 @@ import threading
 import pytest
 
 from station.hw.franka.fci.server.client_port import FciPortError
-from station.hw.franka.fci.server.fci_door import (
+from station.hw.franka.fci.server.fci_process import (
     DATA,
     LEAVE,
     MEMORY_BYTES,
     OPEN,
-    FciDoor,
+    FciProcess,
     relay,
 )
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
@@ -23,8 +23,8 @@ from tests.hw.franka.fci.server.server_bench import HOST
 from tests.waiting import PATIENCE
 
 
-class Door:
-    """A door in a thread, and the station's ends of its pipe and its page."""
+class Process:
+    """The sockets, in a thread, and the station's ends of their pipe and page."""
 
     def __init__(self):
         memory = bytearray(MEMORY_BYTES)
@@ -32,8 +32,8 @@ class Door:
         self.page, self._pipe = SharedPage(memory), pipe
         self.hand_page = SharedPage(memory, PAGE_BYTES)
         hand = SharedPage(memory, PAGE_BYTES)
-        door = FciDoor(HOST, pipe, SharedPage(memory), hand)
-        self._thread = threading.Thread(target=door.run)
+        process = FciProcess(HOST, pipe, SharedPage(memory), hand)
+        self._thread = threading.Thread(target=process.run)
         self._thread.start()
 
     def receive(self):
@@ -61,7 +61,7 @@ class Door:
         return found, is_hand
 
     def close(self):
-        """End the door, as a station that goes does."""
+        """End the process, as a station that goes does."""
         self.station.close()
         self._thread.join(PATIENCE)
         assert not self._thread.is_alive()
@@ -69,18 +69,18 @@ class Door:
 
 
 def connect_again():
-    """Connect after a client has left: the door listens again a moment later."""
+    """Connect after a client has left: the process listens again a moment later."""
     for _ in range(100_000):
         try:
             return socket.create_connection((HOST, PANDA.port), 5.0)
         except ConnectionRefusedError:
             os.sched_yield()
-    raise AssertionError("the door does not listen again")
+    raise AssertionError("the process does not listen again")
 
 
 @pytest.fixture
-def door():
-    opened = Door()
+def process():
+    opened = Process()
     yield opened
     opened.close()
 
@@ -93,15 +93,15 @@ def client():
         yield udp
 
 
-def test_bytes_of_a_client_go_through_and_answers_come_back(door):
+def test_bytes_of_a_client_go_through_and_answers_come_back(process):
     with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
-        door.expect(OPEN)
+        process.expect(OPEN)
         tcp.sendall(b"request")
-        assert door.expect(DATA, b"answer") == b"request"
+        assert process.expect(DATA, b"answer") == b"request"
         assert tcp.recv(100) == b"answer"
-        door.page.put_answers(b"later")
+        process.page.put_answers(b"later")
         assert tcp.recv(100) == b"later"
-    door.expect(LEAVE)
+    process.expect(LEAVE)
 
 
 def test_answers_never_overtake_the_state_that_they_were_left_behind():
@@ -117,50 +117,56 @@ def test_answers_never_overtake_the_state_that_they_were_left_behind():
             sent.append(data[:1])
 
     memory = bytearray(MEMORY_BYTES)
-    control, door = SharedPage(memory), SharedPage(memory)
+    control, process = SharedPage(memory), SharedPage(memory)
     control.put_state(b"s" * PANDA.state.size)
     control.put_answers(b"answer")
-    relay(Port(), door)
+    relay(Port(), process)
     assert sent == [b"s", b"answer"]
 
 
-def test_states_and_commands_go_through_the_shared_memory(door, client):
+def test_states_and_commands_go_through_the_shared_memory(process, client):
     with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
-        door.expect(OPEN)
+        process.expect(OPEN)
         tcp.sendall(b"connect")
         port = client.getsockname()[1]
-        door.expect(DATA, b"connected", port)
+        process.expect(DATA, b"connected", port)
         assert tcp.recv(100) == b"connected"
-        door.page.put_state(bytearray(b"s" * PANDA.state.size))
+        process.page.put_state(bytearray(b"s" * PANDA.state.size))
         state, server = client.recvfrom(4096)
         assert state == b"s" * PANDA.state.size
 
         command = b"c" * PANDA.command.size
         client.sendto(command, server)
-        tcp.sendall(b"next")  # a turn of the door later than the command
-        door.expect(DATA, port=port)
+        tcp.sendall(b"next")  # a turn of the process later than the command
+        process.expect(DATA, port=port)
         tcp.sendall(b"next")
-        door.expect(DATA, port=port)
-        assert door.page.take_command() == command
-    door.expect(LEAVE)
+        process.expect(DATA, port=port)
+        assert process.page.take_command() == command
+    process.expect(LEAVE)
 
 
-def test_client_of_the_hand_is_served_beside_the_one_of_the_arm(door, client):
+def test_client_of_the_hand_is_served_beside_the_one_of_the_arm(process, client):
     with (
         socket.create_connection((HOST, PANDA.port), 5.0),
         socket.create_connection((HOST, HAND.port), 5.0) as tcp,
     ):
-        assert {door.expect_any(), door.expect_any()} == {(OPEN, False), (OPEN, True)}
+        assert {process.expect_any(), process.expect_any()} == {
+            (OPEN, False),
+            (OPEN, True),
+        }
         tcp.sendall(b"request")
         port = client.getsockname()[1]
-        assert door.expect(DATA, b"answer", port, of_hand=True) == b"request"
+        assert process.expect(DATA, b"answer", port, of_hand=True) == b"request"
         assert tcp.recv(100) == b"answer"
-        door.page.put_answers(b"for the arm")
-        door.hand_page.put_answers(b"later")
+        process.page.put_answers(b"for the arm")
+        process.hand_page.put_answers(b"later")
         assert tcp.recv(100) == b"later"
-        door.hand_page.put_state(b"s" * HAND.state.size)
+        process.hand_page.put_state(b"s" * HAND.state.size)
         assert client.recv(4096) == b"s" * HAND.state.size
-    assert {door.expect_any(), door.expect_any()} == {(LEAVE, False), (LEAVE, True)}
+    assert {process.expect_any(), process.expect_any()} == {
+        (LEAVE, False),
+        (LEAVE, True),
+    }
 
 
 def test_hand_whose_address_is_taken_is_told_and_the_arm_let_go():
@@ -168,41 +174,43 @@ def test_hand_whose_address_is_taken_is_told_and_the_arm_let_go():
         one, other = multiprocessing.Pipe()
         pages = [SharedPage(bytearray(PAGE_BYTES)) for _ in range(2)]
         with one, other, pytest.raises(FciPortError, match="Gripper cannot be served"):
-            FciDoor(HOST, one, *pages)
+            FciProcess(HOST, one, *pages)
         with socket.create_server((HOST, PANDA.port)):
             pass
 
 
-def test_client_that_the_station_refuses_is_sent_away(door):
+def test_client_that_the_station_refuses_is_sent_away(process):
     with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
-        door.expect(OPEN)
+        process.expect(OPEN)
         tcp.sendall(b"nonsense")
-        door.receive()
-        door.station.send((b"last words", None, "no command"))
-        door.expect(LEAVE)
+        process.receive()
+        process.station.send((b"last words", None, "no command"))
+        process.expect(LEAVE)
         assert tcp.recv(100) == b"last words"
         assert tcp.recv(100) == b""
     with connect_again():
-        door.expect(OPEN)
-    door.expect(LEAVE)
+        process.expect(OPEN)
+    process.expect(LEAVE)
 
 
 def test_address_that_is_taken_is_told():
     with socket.create_server((HOST, PANDA.port)):
         one, other = multiprocessing.Pipe()
         with one, other, pytest.raises(FciPortError, match=HOST):
-            FciDoor(HOST, one, SharedPage(bytearray(PAGE_BYTES)))
+            FciProcess(HOST, one, SharedPage(bytearray(PAGE_BYTES)))
 
 
-def test_client_of_a_station_whose_loop_has_died_is_sent_away_and_the_next_is_not(door):
+def test_client_of_a_station_whose_loop_has_died_is_sent_away_and_the_next_is_not(
+    process,
+):
     with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
-        assert door.receive()[0] == OPEN
-        door.station.send((b"", None, "The loop has died."))
+        assert process.receive()[0] == OPEN
+        process.station.send((b"", None, "The loop has died."))
         assert tcp.recv(1) == b""
     with connect_again():
-        door.expect(OPEN)
-    assert door.receive()[0] == LEAVE
-    door.station.send((b"", None, "The loop has died."))
+        process.expect(OPEN)
+    assert process.receive()[0] == LEAVE
+    process.station.send((b"", None, "The loop has died."))
     with connect_again():
-        door.expect(OPEN)
-    door.expect(LEAVE)
+        process.expect(OPEN)
+    process.expect(LEAVE)

@@ -6,7 +6,11 @@ from station.core.errors import ArmCommandError, SwitchRefusedError
 from station.core.franka import GripperServicesInterface, RobotMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.fci.driver.fci_arm import FciArm
-from station.hw.franka.fci.server.fci_guest import FciGuest, HandGuest, with_guests
+from station.hw.franka.fci.server.client_services import (
+    ArmClientService,
+    HandClientService,
+    with_client_services,
+)
 from station.hw.franka.fci.server.robot_session import ClientFeatures
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.gripper_protocol import (
@@ -23,7 +27,7 @@ POSITION = MotionGeneratorMode.JOINT_POSITION
 
 
 class BesideNetwork:
-    """Joins the driver, as a client, to the guest of a station; all in one thread.
+    """Joins the driver, as a client, to the service of a station; all in one thread.
 
     A wait for a state is a cycle of the station.
     """
@@ -34,7 +38,7 @@ class BesideNetwork:
         memory = bytearray(PAGE_BYTES)
         self.hw, self.page, self.may_move = make(), SharedPage(memory), True
         self.now = 0.0
-        self.guest = self.hw.guest = FciGuest(
+        self.service = self.hw.client_service = ArmClientService(
             self.hw.arm,
             SharedPage(memory),
             ClientFeatures(),
@@ -43,12 +47,12 @@ class BesideNetwork:
             now=lambda: self.now,
         )
         self.waits = []
-        self.read = with_guests(self.guest, self.hw.read, self.waits.append)
+        self.read = with_client_services(self.service, self.hw.read, self.waits.append)
         self._answers = bytearray()
-        self.guest.open()
+        self.service.open()
 
     def send(self, data):
-        self._answers += self.guest.receive(data)[0]
+        self._answers += self.service.receive(data)[0]
 
     def receive(self, timeout):
         data = bytes(self._answers) + self.page.take_answers()
@@ -76,7 +80,7 @@ class BesideNetwork:
         return 0
 
     def close(self):
-        self.guest.leave()
+        self.service.leave()
 
 
 @pytest.fixture
@@ -213,7 +217,7 @@ def test_switch_that_began_before_the_clients_motion_takes_the_arm_over(
     client.read_once()
     assert network.hw.mode() == "move"
     assert client.failure() == "libfranka: Move command preempted!"
-    assert not network.guest.is_moving
+    assert not network.service.is_moving
 
 
 def test_client_that_goes_leaves_the_arm_holding(network, client):
@@ -222,8 +226,8 @@ def test_client_that_goes_leaves_the_arm_holding(network, client):
     network.close()
     network.hw.read(0.0, PERIOD)
     assert network.hw.mode() == "idle"
-    assert not network.guest.is_moving
-    network.guest.open()  # the next one
+    assert not network.service.is_moving
+    network.service.open()  # the next one
     assert FciArm(network, PlainModel).state.robot_mode is RobotMode.IDLE
 
 
@@ -232,11 +236,11 @@ def hand_of(hw):
     return hw.get(GripperServicesInterface).get_handle("panda")
 
 
-def ask(guest, command, **values):
+def ask(service, command, **values):
     """Send a request to a hand; return the answers that come at once."""
     body = HAND.exchanges[command].request.pack(values)
     head = {"command": command, "command_id": 7, "size": 10 + len(body)}
-    return statuses(command, guest.receive(GRIPPER_HEADER.pack(head) + body)[0])
+    return statuses(command, service.receive(GRIPPER_HEADER.pack(head) + body)[0])
 
 
 def statuses(command, data):
@@ -252,21 +256,21 @@ def statuses(command, data):
 def hand(network):
     """A client of the hand, served beside the one of the arm."""
     memory = bytearray(PAGE_BYTES)
-    guest = HandGuest(
+    service = HandClientService(
         hand_of(network.hw),
         SharedPage(memory),
         may_move=lambda: network.may_move,
     )
-    network.read = with_guests(network.guest, network.hw.read, bool, guest)
-    guest.open()
-    assert ask(guest, HandCommand.CONNECT, version=3, udp_port=1) == [Status.SUCCESS]
-    return guest, SharedPage(memory)
+    network.read = with_client_services(network.service, network.hw.read, bool, service)
+    service.open()
+    assert ask(service, HandCommand.CONNECT, version=3, udp_port=1) == [Status.SUCCESS]
+    return service, SharedPage(memory)
 
 
 def test_client_moves_the_hand_beside_the_controllers(network, client, hand):
-    guest, page = hand
+    service, page = hand
     switch(network.hw, "jp")
-    assert ask(guest, HandCommand.MOVE, width=0.06, speed=0.4) == []
+    assert ask(service, HandCommand.MOVE, width=0.06, speed=0.4) == []
     answers, states = b"", 0
     for _ in range(300):
         client.read_once()
@@ -280,22 +284,22 @@ def test_client_moves_the_hand_beside_the_controllers(network, client, hand):
 
 
 def test_hand_of_a_stopped_station_is_refused(network, client, hand):
-    guest, page = hand
-    ask(guest, HandCommand.MOVE, width=0.0, speed=0.05)
+    service, page = hand
+    ask(service, HandCommand.MOVE, width=0.0, speed=0.05)
     network.may_move = False
     hand_of(network.hw).interrupt("The station was stopped.")
     client.read_once()
     aborted = statuses(HandCommand.MOVE, page.take_answers())
     assert aborted == [Status.ABORTED]
     fail = [Status.FAIL]
-    assert ask(guest, HandCommand.MOVE, width=0.05, speed=0.1) == fail
+    assert ask(service, HandCommand.MOVE, width=0.05, speed=0.1) == fail
 
 
 def test_client_of_the_hand_that_goes_stops_its_motion(network, client, hand):
-    guest, page = hand
-    ask(guest, HandCommand.MOVE, width=0.0, speed=0.05)
+    service, page = hand
+    ask(service, HandCommand.MOVE, width=0.0, speed=0.05)
     client.read_once()
-    guest.leave()
+    service.leave()
     assert hand_of(network.hw).get_state().command is None
     client.read_once()
     assert page.take_answers() == b""

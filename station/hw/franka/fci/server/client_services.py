@@ -25,7 +25,7 @@ from station.hw.franka.hand.hand_services import HandServices
 SessionT = TypeVar("SessionT", RobotSession, GripperSession)
 
 
-class _Guest(Generic[SessionT]):
+class _ClientService(Generic[SessionT]):
     """Serves one client at a time, between and within the cycles. Control thread only.
 
     In a cycle it copies bytes between the session and the page, and nothing else.
@@ -84,7 +84,7 @@ class _Guest(Generic[SessionT]):
             self._unsent = b""
 
 
-class FciGuest(_Guest[RobotSession]):
+class ArmClientService(_ClientService[RobotSession]):
     """Serves a client of the arm.
 
     Args:
@@ -167,7 +167,7 @@ class FciGuest(_Guest[RobotSession]):
         return self._may_move() and not self._is_commanded()
 
 
-class HandGuest(_Guest[GripperSession]):
+class HandClientService(_ClientService[GripperSession]):
     """Serves a client of the hand.
 
     Args:
@@ -190,29 +190,29 @@ class HandGuest(_Guest[GripperSession]):
             self._put_messages(session, self._cycle, GRIPPER_PERIOD)
 
 
-def with_guests(
-    guest: FciGuest,
+def with_client_services(
+    service: ArmClientService,
     read: Callable[[float, float], None],
     wait: Callable[[bool], None],
-    hand: HandGuest | None = None,
+    hand: HandClientService | None = None,
 ) -> Callable[[float, float], None]:
-    """Return a function that reads a robot, and serves its guests before and after.
+    """Return a function that reads a robot, and serves its clients before and after.
 
     Args:
-        guest: The guest of the arm.
+        service: Serves the client of the arm.
         read: Reads the robot; see `RobotHW.read`.
         wait: Sets whether the arm waits for a late loop. The arm must wait while a
             client commands it: in a cycle that is made up for, the client has no state
             to answer.
-        hand: The guest of the hand; None without a hand.
+        hand: Serves the client of the hand; None without a hand.
     """
 
-    def read_with_guests(time: float, period: float) -> None:
-        if not guest.before_read():
+    def read_and_serve(time: float, period: float) -> None:
+        if not service.before_read():
             read(time, period)
-            guest.after_read()
-        wait(guest.is_answering)
+            service.after_read()
+        wait(service.is_answering)
         if hand is not None:
             hand.after_read()
 
-    return read_with_guests
+    return read_and_serve

@@ -74,7 +74,7 @@ class RelayedSession:
         return found
 
 
-class FciDoor:
+class FciProcess:
     """Serves the clients of one arm and of its hand, in a process of its own.
 
     Args:
@@ -153,12 +153,12 @@ def main(arguments: list[str]) -> None:
         os.setpriority(os.PRIO_PROCESS, 0, -10)
     with Connection(int(pipe_number)) as pipe:
         try:
-            door = FciDoor(host, pipe, SharedPage(memory), hand)
+            process = FciProcess(host, pipe, SharedPage(memory), hand)
         except OSError as error:
             pipe.send((b"", None, f"{error}"))
             return
         pipe.send((b"", None, ""))
-        door.run()
+        process.run()
 
 
 if __name__ == "__main__":

@@ -7,13 +7,13 @@ import socket
 
 import pytest
 
-from station.app.watchdog.door import CONNECTIONS, Door
+from station.app.watchdog.server import CONNECTIONS, WatchdogServer
 from tests.app.watchdog.bench import NOW, OPERATOR, VIEWER, Bench
 from tests.waiting import PATIENCE, wait_until
 
 
 class Visit:
-    """A door, and clients that connect to it.
+    """A server, and clients that connect to it.
 
     Attributes:
         now: What the watchdog's clock says [s].
@@ -24,7 +24,7 @@ class Visit:
         listener = socket.create_server(("127.0.0.1", 0))
         self._address = listener.getsockname()
         self.now = NOW
-        self.door = Door(
+        self.server = WatchdogServer(
             listener,
             self.bench.settings,
             self.bench.watch,
@@ -34,11 +34,11 @@ class Visit:
         self.clients = []
 
     def connect(self):
-        """Return a new client, which the door has taken."""
+        """Return a new client, which the server has taken."""
         client = socket.create_connection(self._address, timeout=PATIENCE)
         self.clients.append(client)
-        select.select([self.door], [], [], 10.0)
-        self.door.handle_request()
+        select.select([self.server], [], [], 10.0)
+        self.server.handle_request()
         return client
 
     def ask(self, line, token=None, body=""):
@@ -63,12 +63,12 @@ class Visit:
     def close(self):
         for client in self.clients:
             client.close()
-        self.door.server_close()
+        self.server.server_close()
 
 
 @pytest.fixture
 def visit(tmp_path):
-    """Return a door with its visitors."""
+    """Return a server with its visitors."""
     made = Visit(tmp_path)
     yield made
     made.close()
@@ -187,15 +187,15 @@ def digest_of(token):
 
 
 def test_a_named_token_stops_until_it_ends(visit):
-    visit.door.take_token(digest_of("ada"), "viewer", None)
+    visit.server.take_token(digest_of("ada"), "viewer", None)
     visit.bench.heartbeat.beats[0] = NOW
 
     assert visit.ask("GET /incident", "ada")[0] == 404  # known, and nothing happened
-    visit.door.take_token(digest_of("ada"), "", None)
+    visit.server.take_token(digest_of("ada"), "", None)
     assert visit.ask("GET /incident", "ada")[0] == 401
 
 
 def test_a_named_token_that_has_expired_is_refused(visit):
-    visit.door.take_token(digest_of("eve"), "operator", 1.0)  # in the year 1970
+    visit.server.take_token(digest_of("eve"), "operator", 1.0)  # in the year 1970
 
     assert visit.ask("GET /incident", "eve")[0] == 401
