@@ -1,11 +1,12 @@
 """Compute commands from references by one PID for each degree of freedom.
 
-Source: ros2_controllers@4.x pid_controller/src/pid_controller.cpp, pid_controller.yaml.
+Source: ros2_controllers@6.x pid_controller/src/pid_controller.cpp, pid_controller.yaml;
+`enable_feedforward`, `antiwindup` and `legacy` are those of @4.x.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import ClassVar
 
 from typing_extensions import override
@@ -86,7 +87,12 @@ _EXTERNAL = declare_boolean(
 _FEEDS_FORWARD = declare_boolean(
     "enable_feedforward",
     "whether references times feedforward_gain are added to the commands",
-    default=False,
+    default=True,
+)
+_FIRST = declare_boolean(
+    "set_current_state_as_first_setpoint",
+    "false commands nothing before the first set-point or preceding controller",
+    default=True,
 )
 
 
@@ -108,8 +114,12 @@ _D = _gain("d", "derivative gain")
 _FORWARD = _gain(
     "feedforward_gain", "factor of the reference, or of its rate if it has one"
 )
-_PART_MAX = _gain("i_clamp_max", "upper bound of the integral part of `legacy`")
-_PART_MIN = _gain("i_clamp_min", "lower bound of the integral part of `legacy`")
+_PART_MAX = _gain(
+    "i_clamp_max", "upper bound of the integral part, >= 0", None, "none; legacy: 0"
+)
+_PART_MIN = _gain(
+    "i_clamp_min", "lower bound of the integral part, <= 0", None, "none; legacy: 0"
+)
 _MAX = _gain("u_clamp_max", "upper bound of the command", None, "none")
 _MIN = _gain("u_clamp_min", "lower bound of the command", None, "none")
 _TRACKING = _gain(
@@ -119,7 +129,7 @@ _TRACKING = _gain(
     "sqrt(d / i), or p / i without d",
     unit="s",
 )
-_DEADBAND = _gain("error_deadband", "errors that are not integrated")
+_DEADBAND = _gain("error_deadband", "errors that are not integrated", 1e-16)
 _ANTIWINDUP = declare_boolean(
     f"gains/{EACH_JOINT}/antiwindup",
     "whether `legacy` bounds the integral itself",
@@ -130,10 +140,18 @@ _WRAPS = declare_boolean(
     "whether the error is the shorter way round",
     default=False,
 )
+_SATURATES = declare_boolean(
+    f"gains/{EACH_JOINT}/saturation", "false ignores the bounds u_clamp", default=True
+)
+_SAVES = declare_boolean(
+    f"gains/{EACH_JOINT}/save_i_term",
+    "whether the integral part outlives a stop",
+    default=True,
+)
 _STRATEGY = declare_string(
     f"gains/{EACH_JOINT}/antiwindup_strategy",
     "`none`, `legacy`, `back_calculation` or `conditional_integration`",
-    default_text="legacy with i_clamp, else none",
+    default_text="legacy with antiwindup, else none",
 )
 _GAINS = (
     _P,
@@ -148,6 +166,8 @@ _GAINS = (
     _DEADBAND,
     _ANTIWINDUP,
     _WRAPS,
+    _SATURATES,
+    _SAVES,
     _STRATEGY,
 )
 _TUNED = {
@@ -172,7 +192,7 @@ class PidController(JointReferenceController):
     The references `<joint>/<interface>` come from a preceding controller, or from
     set-points: values of the first interface, with `rates` for the second. The
     controller exports the measured values under the same names. A start takes the
-    measured positions for the references, and 0 for velocities and efforts.
+    measured values for the references.
 
     Source:
         PidController; differs: a reference without a commander is rest and not NaN;
@@ -193,6 +213,7 @@ class PidController(JointReferenceController):
         _MEASURED,
         _EXTERNAL,
         _FEEDS_FORWARD,
+        _FIRST,
         *_GAINS,
     )
 
@@ -212,6 +233,7 @@ class PidController(JointReferenceController):
             _MEASURED.refuse(
                 params, list(self._kinds), "one interface, or position and velocity"
             )
+        self._starts_at_state = _FIRST.read_bool(params)
         command = _COMMAND.read_str(params)
         states = require_interface(hw, JointStateInterface)
         commands = require_interface(hw, _INTERFACES[command])
@@ -244,8 +266,23 @@ class PidController(JointReferenceController):
     @override
     def starting(self, time: float) -> None:
         self._ports.joints.read()
-        self._pids.reset()
+        pids = self._pids
+        kept = [
+            part * saves for part, saves in zip(pids.parts, self._saves, strict=True)
+        ]
+        pids.reset()
+        put(pids.parts, kept)
         super().starting(time)
+        for references, measured in zip(self.references, self._measured, strict=True):
+            put(references, measured)
+        self._first = self._active.values
+        self._waits = not self._starts_at_state
+
+    @override
+    def update_reference_from_subscribers(self, time: float, period: float) -> None:
+        # The references of the start stay until something takes their place.
+        if self._active.newest() is not self._first:
+            super().update_reference_from_subscribers(time, period)
 
     @override
     def update_and_write_commands(self, time: float, period: float) -> None:
@@ -258,14 +295,22 @@ class PidController(JointReferenceController):
         share = self.tunables.values["enable_feedforward"]
         for k in range(pids.size):
             pids.forward[k] = share * pids.f[k] * references[-1][k]
+        if self._waits and not (self.is_in_chained_mode or self._active.port.last):
+            put(pids.errors, [nan] * pids.size)
+        else:
+            self._waits = False
         pids.compute_commands(period, len(references) > 1)
-        commands = [*pids.commands]
-        for handle, value in zip(self._ports.commanded, commands, strict=True):
-            handle.set_command(value)
+        for k, handle in enumerate(self._ports.commanded):
+            if isfinite(pids.errors[k]):
+                handle.set_command(pids.commands[k])
         for exported, measured in zip(self._exported, self._measured, strict=True):
             put(exported, measured)
         self.sample = ControllerSample(
-            time, [*references[0]], [*self._measured[0]], [*pids.errors], commands
+            time,
+            [*references[0]],
+            [*self._measured[0]],
+            [*pids.errors],
+            [handle.get_command() for handle in self._ports.commanded],
         )
 
     @override
@@ -282,12 +327,10 @@ class PidController(JointReferenceController):
         }
         values = {"enable_feedforward": float(_FEEDS_FORWARD.read_bool(params))}
         for k, name in enumerate(names):
-            pids.part_max[k] = _PART_MAX.of(name).read_float(params)
-            pids.part_min[k] = _PART_MIN.of(name).read_float(params)
-            pids.maximum[k] = _optional(_MAX.of(name), params, inf)
-            pids.minimum[k] = _optional(_MIN.of(name), params, -inf)
+            strategy = _read_strategy(params, name)
+            pids.strategies[k] = STRATEGIES[strategy]
+            self._read_bounds(params, name, k, 0.0 if "legacy" in strategy else inf)
             pids.deadband[k] = _DEADBAND.of(name).read_float(params)
-            pids.strategies[k] = STRATEGIES[_read_strategy(params, name)]
             wraps = _WRAPS.of(name).read_bool(params)
             self._errors.set_wrapping(k, CONTINUOUS if wraps else PLAIN, -inf, inf)
             for key, gain in zip(_TUNED, (_P, _I, _D, _FORWARD), strict=True):
@@ -296,10 +339,30 @@ class PidController(JointReferenceController):
                 tunable = _TUNED[key].including(value)
                 schema[f"{name}/{key}"] = replace(tunable, parameter=declared.name)
                 values[f"{name}/{key}"] = value
-        self._tracking = [_optional(_TRACKING.of(name), params, nan) for name in names]
+        self._saves = [_SAVES.of(name).read_bool(params) for name in names]
+        self._tracking = [_optional(_TRACKING.of(name), params, 0.0) for name in names]
+        for name, tracking in zip(names, self._tracking, strict=True):
+            if tracking < 0.0:
+                _TRACKING.of(name).refuse(params, tracking, "0 or more")
         self._gain_names = list(names)
         self.tunables = Tunables(schema, values, apply=self._apply)
         self._apply(values)
+
+    def _read_bounds(self, params: Parameters, name: str, k: int, part: float) -> None:
+        """Read the bounds of one PID; `part` bounds an integral part without any."""
+        pids = self._pids
+        pids.part_max[k] = _optional(_PART_MAX.of(name), params, part)
+        pids.part_min[k] = _optional(_PART_MIN.of(name), params, -part)
+        if pids.part_max[k] < 0.0:
+            _PART_MAX.of(name).refuse(params, pids.part_max[k], "0 or more")
+        if pids.part_min[k] > 0.0:
+            _PART_MIN.of(name).refuse(params, pids.part_min[k], "0 or less")
+        if _SATURATES.of(name).read_bool(params):
+            pids.maximum[k] = _optional(_MAX.of(name), params, inf)
+            pids.minimum[k] = _optional(_MIN.of(name), params, -inf)
+        if pids.minimum[k] >= pids.maximum[k]:
+            above = f"more than u_clamp_min, {pids.minimum[k]}"
+            _MAX.of(name).refuse(params, pids.maximum[k], above)
 
     def _apply(self, values: Mapping[str, float]) -> None:
         pids = self._pids
@@ -308,8 +371,8 @@ class PidController(JointReferenceController):
             pids.p[k], pids.i[k], pids.d[k] = p, i, d
             pids.f[k] = values[f"{name}/feedforward_gain"]
             time = self._tracking[k]
-            if not time > 0.0 and i > 0.0:
-                time = sqrt(d / i) if d > 0.0 else p / i
+            if time == 0.0 and i != 0.0:
+                time = sqrt(d / i) if d / i > 0.0 else p / i
             # Without a time the integral part is drawn back in about a cycle.
             pids.tracking[k] = time if time > 0.0 else 1e-3
 
@@ -319,10 +382,9 @@ def _optional(declared: DeclaredParameter, params: Parameters, absent: float) ->
 
 
 def _read_strategy(params: Parameters, name: str) -> str:
-    clamps = params.has(_PART_MAX.of(name).name) or params.has(_PART_MIN.of(name).name)
     antiwindup = _ANTIWINDUP.of(name).read_bool(params)
     declared = _STRATEGY.of(name)
-    found = "legacy" if clamps or antiwindup else "none"
+    found = "legacy" if params.has(_ANTIWINDUP.of(name).name) else "none"
     if params.has(declared.name):
         found = params.get_str(declared.name)
     if found == "legacy" and antiwindup:

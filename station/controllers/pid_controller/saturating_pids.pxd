@@ -1,5 +1,7 @@
 cdef double _NONE, _LEGACY, _CLAMPED, _BACK, _CONDITIONAL
 
+cdef double _bounded(double value, double low, double high) noexcept
+
 cdef class SaturatingPids:
     cdef readonly Py_ssize_t size
     cdef readonly double[::1] errors, rates, forward, commands, parts, last

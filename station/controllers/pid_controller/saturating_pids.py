@@ -13,7 +13,8 @@ With the integral part I, the error e and the period dt:
 | `legacy`                  | I += i e dt before the command, which has I between its  |
 |                           | bounds; with antiwindup I itself is kept between them    |
 
-There is no integration while |e| is at most the deadband.
+There is no integration while |e| is at most the deadband. Without `legacy` I is then
+kept between its bounds.
 
 Source: control_toolbox@6.x src/pid.cpp, Pid::compute_command; `legacy` that of @4.x.
 """
@@ -44,7 +45,7 @@ class SaturatingPids:
         rates: Rates of the errors, where they are known.
         forward: Feed-forward part of the commands.
         p, i, d, f: Gains; the owner uses `f` for `forward`.
-        part_max, part_min: Bounds of the integral parts of `legacy`.
+        part_max, part_min: Bounds of the integral parts.
         maximum, minimum: Bounds of the commands.
         tracking: Time constants T of `back_calculation` [s], > 0.
         deadband: Errors without integration, >= 0; negative for none.
@@ -88,11 +89,12 @@ class SaturatingPids:
             # Only the difference of a finite number to itself is 0.
             if error - error != 0.0:
                 continue
-            rate = (error - self.last[k]) / period
-            self.last[k] = error
             # A rate that is not known of this one follows from the errors.
             if rates_known and self.rates[k] - self.rates[k] == 0.0:
                 rate = self.rates[k]
+            else:
+                rate = (error - self.last[k]) / period
+                self.last[k] = error
             self.commands[k] = self.forward[k] + self.saturated(k, period, rate)
 
     def saturated(self, k: int, period: float, rate: float) -> float:
@@ -104,19 +106,11 @@ class SaturatingPids:
         if strategy in {_LEGACY, _CLAMPED}:
             if integrates:
                 part += self.i[k] * period * error
-            clamped = part
-            if clamped > self.part_max[k]:
-                clamped = self.part_max[k]
-            if clamped < self.part_min[k]:
-                clamped = self.part_min[k]
+            clamped = _bounded(part, self.part_min[k], self.part_max[k])
             self.parts[k] = clamped if strategy == _CLAMPED else part
             part = clamped
         free = self.p[k] * error + part + self.d[k] * rate
-        command = free
-        if command > self.maximum[k]:
-            command = self.maximum[k]
-        if command < self.minimum[k]:
-            command = self.minimum[k]
+        command = _bounded(free, self.minimum[k], self.maximum[k])
         if integrates and strategy == _BACK and self.i[k] != 0.0:
             drawn = (command - free) / self.tracking[k]
             self.parts[k] += period * (self.i[k] * error + drawn)
@@ -128,4 +122,11 @@ class SaturatingPids:
             )
         ):
             self.parts[k] += period * self.i[k] * error
+        if strategy not in {_LEGACY, _CLAMPED}:
+            self.parts[k] = _bounded(self.parts[k], self.part_min[k], self.part_max[k])
         return command
+
+
+def _bounded(value: float, low: float, high: float) -> float:
+    value = min(value, high)
+    return max(value, low)

@@ -49,12 +49,16 @@ def test_a_set_point_with_rates_is_followed_by_the_formula(bench):
     bench.step()
 
     error, rate = 0.5 - controller.sample.actual[0], 0.1 - measured
-    assert controller.sample.output == pytest.approx([2.0 * error + 0.5 * rate])
+    expected = 2.0 * error + 0.5 * rate + 0.25 * 0.1
+    assert controller.sample.output == pytest.approx([expected])
 
 
 def test_feed_forward_is_switched_on_while_it_runs(bench):
     controller = load(
-        bench, reference_and_state_interfaces=["velocity"], gains={"joint1": {}}
+        bench,
+        reference_and_state_interfaces=["velocity"],
+        gains={"joint1": {}},
+        enable_feedforward=False,
     )
     bench.switch(start=["pid"])
     controller.tunables.apply({
@@ -68,6 +72,89 @@ def test_feed_forward_is_switched_on_while_it_runs(bench):
     controller.tunables.apply({**controller.tunables.values, "enable_feedforward": 1.0})
     bench.step()
     assert controller.sample.output == [1.5]
+
+
+def one(bench, **gains):
+    """Load a PID of one position, and start it; the joint is at 0.2."""
+    more = {
+        "reference_and_state_interfaces": ["position"],
+        "gains": {"joint1": {"p": 1.0, "i": 2.0, **gains}},
+    }
+    controller = load(bench, **more)
+    bench.switch(start=["pid"])
+    return controller
+
+
+def test_the_feed_forward_is_on_unless_it_is_switched_off(bench):
+    controller = one(bench, feedforward_gain=0.5)
+    controller.set_points.post([3.0])
+    bench.step()
+
+    assert controller.sample.output == pytest.approx([2.8 + 0.5 * 3.0])
+
+
+def test_the_integral_part_has_bounds_whatever_the_strategy(bench):
+    controller = one(bench, i_clamp_max=0.001, i_clamp_min=-0.5)
+    controller.set_points.post([0.7])
+    bench.step(3)
+
+    # 2.0 * 0.5 * 0.001 s is more than the bound, and counts from the second cycle.
+    assert controller.sample.output == pytest.approx([0.5 + 0.001], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("more", "kept"), [({}, True), ({"save_i_term": False}, False)]
+)
+def test_the_integral_part_outlives_a_stop(bench, more, kept):
+    controller = one(bench, **more)
+    controller.set_points.post([0.7])
+    bench.step(10)
+    bench.switch(stop=["pid"])
+    before = controller._pids.parts[0]
+    bench.switch(start=["pid"])
+    bench.step()
+
+    assert before > 0.0
+    error = controller.sample.error[0]
+    expected = error + (before if kept else 0.0)
+    assert controller.sample.output == pytest.approx([expected])
+
+
+@pytest.mark.parametrize("kind", ["position", "velocity"])
+def test_it_starts_from_the_measured_value(bench, kind):
+    controller = load(bench, reference_and_state_interfaces=[kind])
+    measured = getattr(bench.robot._measured, kind)
+    measured[0] = 0.3
+    controller.starting(0.0)
+    measured[0] = 0.4
+    for _ in range(2):
+        controller.update(0.001, 0.001)
+
+    assert controller.sample.desired == [0.3]
+
+
+def test_it_may_wait_for_the_first_reference(bench):
+    controller = load(
+        bench,
+        reference_and_state_interfaces=["position"],
+        set_current_state_as_first_setpoint=False,
+    )
+    bench.switch(start=["pid"])
+    bench.robot.joints.position[0] = 0.1
+    bench.step()
+    assert controller.sample.output == [0.0]
+
+    controller.set_points.post([0.3])
+    bench.step()
+    assert controller.sample.output[0] > 0.0
+
+
+def test_bounds_of_the_command_may_be_switched_off(bench):
+    controller = one(bench, u_clamp_max=0.1, u_clamp_min=-0.1, saturation=False)
+    controller.set_points.post([3.0])
+    bench.step()
+
+    assert controller.sample.output == pytest.approx([2.8])
 
 
 def test_a_preceding_pid_commands_the_reference_of_another(bench):
@@ -122,6 +209,10 @@ def test_the_measured_value_is_exported(bench):
         ({"reference_and_state_interfaces": ["effort", "position"]}, "one interface"),
         ({"command_interface": "voltage"}, "one of position, velocity, effort"),
         ({"gains": {"joint1": {"antiwindup_strategy": "magic"}}}, "back_calculation"),
+        ({"gains": {"joint1": {"u_clamp_max": -1.0, "u_clamp_min": 1.0}}}, "u_clamp"),
+        ({"gains": {"joint1": {"i_clamp_max": -1.0}}}, "0 or more"),
+        ({"gains": {"joint1": {"i_clamp_min": 1.0}}}, "0 or less"),
+        ({"gains": {"joint1": {"tracking_time_constant": -1.0}}}, "0 or more"),
     ],
 )
 def test_what_does_not_fit_is_refused(bench, more, words):

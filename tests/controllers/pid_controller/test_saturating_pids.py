@@ -64,6 +64,8 @@ def expected(strategy):
             and not (free != command and error * free > 0)
         ):
             part += DT * KI * error
+        if not strategy.startswith("legacy"):
+            part = np.clip(part, -CLAMP, CLAMP)
         found.append(command)
     return found
 
@@ -77,6 +79,8 @@ def test_no_strategy_but_none_winds_up():
     parts = {}
     for strategy in STRATEGIES:
         made = pids(strategy, bound=0.5)
+        if "legacy" not in strategy:
+            made.part_max[0], made.part_min[0] = np.inf, -np.inf
         run(made, np.full(1000, 1.0))
         parts[strategy] = made.parts[0]
 
@@ -96,6 +100,19 @@ def test_an_error_in_the_deadband_is_not_integrated():
     assert made.parts[0] == 0.0
     run(made, [0.11])
     assert made.parts[0] > 0.0
+
+
+def test_a_known_rate_is_no_last_error():
+    made = pids("none", bound=np.inf)
+    run(made, [0.2])
+    made.errors[0], made.rates[0] = 0.7, 0.0
+    made.compute_commands(DT, rates_known=True)
+    made.rates[0] = float("nan")
+    made.compute_commands(DT, rates_known=True)
+
+    # The error before is still that of the last computed rate.
+    expected = KP * 0.7 + KI * DT * 0.9 + KD * (0.7 - 0.2) / DT
+    assert made.commands[0] == pytest.approx(expected)
 
 
 def test_without_time_or_error_the_command_stays():
