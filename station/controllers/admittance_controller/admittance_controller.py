@@ -1,12 +1,12 @@
 """Let an arm whose joints are controlled give way to forces at its sensor.
 
-Source: ros2_controllers@4.x admittance_controller/src/admittance_controller.cpp,
+Source: ros2_controllers@6.x admittance_controller/src/admittance_controller.cpp,
 admittance_controller_parameters.yaml.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import inf, sqrt
+from math import inf, isfinite, sqrt
 from typing import ClassVar
 
 from typing_extensions import override
@@ -23,6 +23,7 @@ from station.core.control.controller import ControllerSample
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import (
     DeclaredParameter,
+    NameKind,
     declare_number,
     declare_numbers,
     declare_string,
@@ -64,6 +65,12 @@ def _number(
     return declare_number(name, text, default, unit, minimum=0.0, maximum=most)
 
 
+_COMMAND_JOINTS = declare_strings(
+    "command_joints",
+    "what is commanded: joints, or references `controller/joint`",
+    names=NameKind.JOINT,
+    default_text="joints",
+)
 _COMMANDS = declare_strings(
     "command_interfaces", "what is commanded: `position` or `velocity`"
 )
@@ -137,7 +144,6 @@ class AdmittanceController(JointReferenceController):
     )
     accepted_parameters: ClassVar[tuple[str, ...]] = (
         "state_interfaces",
-        "command_joints",
         "kinematics/plugin_name",
         "kinematics/plugin_package",
         "enable_parameter_update_without_reactivation",
@@ -148,6 +154,7 @@ class AdmittanceController(JointReferenceController):
     own_parameters = (
         *timeout_parameters(),
         JOINTS,
+        _COMMAND_JOINTS,
         _COMMANDS,
         _REFERENCES,
         _BASE,
@@ -185,7 +192,10 @@ class AdmittanceController(JointReferenceController):
                 remedy="Choose another of the `command_interfaces`.",
             )
         self._sensor = sensors.get_handle(_SENSOR.read_str(params))
-        self._handles = [joints.get_handle(name) for name in self.joint_names]
+        names = _COMMAND_JOINTS.read_str_list(params, []) or self.joint_names
+        if len(names) != len(self.joint_names):
+            _COMMAND_JOINTS.refuse(params, names, "one name for each of the `joints`")
+        self._handles = [joints.get_handle(name) for name in names]
         self._joints = ControlledJoints(JointGroup(self._handles))
         self._make_rule(params)
         self._make_references(params)
@@ -204,6 +214,7 @@ class AdmittanceController(JointReferenceController):
     def starting(self, time: float) -> None:
         self._joints.read()
         self._rule.reset()
+        self._last = doubles(self._joints.positions)
         super().starting(time)
 
     @override
@@ -211,11 +222,14 @@ class AdmittanceController(JointReferenceController):
         rule, joints = self._rule, self._joints
         q_ref, dq_ref = self.references
         joints.read()
+        # As in the original, what a sensor does not tell is what was commanded, or 0.
+        told = all(isfinite(each) for each in joints.positions)
         wrench = self._sensor.get_force() + self._sensor.get_torque()
         if self._sensor.is_reaction:
             wrench = [-value for value in wrench]
-        put(rule.wrench, wrench)
-        rule.compute_motion(joints.positions, q_ref, period)
+        put(rule.wrench, wrench if all(map(isfinite, wrench)) else [0.0] * 6)
+        rule.compute_motion(joints.positions if told else self._last, q_ref, period)
+        put(self._last, [a + b for a, b in zip(q_ref, rule.positions, strict=True)])
         references, way = q_ref, rule.positions
         if not self._commands_positions:
             references, way = dq_ref, rule.velocities

@@ -6,10 +6,10 @@ With the force F at the sensor, and the way x of the sensor from its reference:
     ddq = J^T (J J^T + alpha)^-1 a - d dq
     dq += ddq dt, dq_0 += dq dt, q_d = q_ref + dq_0
 
-S, D and K are diagonal in the axes of the control frame, M in those of the base. S
-selects axes. F is the measured wrench less the weight of the tool, smoothed.
+S, M, D and K are diagonal in the axes of the control frame. S selects axes. F is the
+measured wrench less the weight of the tool, smoothed.
 
-Source: ros2_controllers@4.x admittance_controller/admittance_rule_impl.hpp; the inverse
+Source: ros2_controllers@6.x admittance_controller/admittance_rule_impl.hpp; the inverse
 of J is that of kinematics_interface_kdl.
 """
 
@@ -135,9 +135,9 @@ class AdmittanceRule:
         turn_to_inner_axes(frame, self.error, turned)
         for k in range(6):
             total[k] -= self.stiffness[k] * turned[k]
-        turn_to_outer_axes(frame, total, total)
         for k in range(6):
             total[k] *= self.inverse_mass[k]
+        turn_to_outer_axes(frame, total, total)
         # Never singular with a damping above 0, unless a number is not finite.
         if self.equation.factorise(sensor.jacobian, self.inverse_damping):
             self.equation.solve(total, total)

@@ -1,5 +1,7 @@
 """What the controller refuses, and how its parameters reach the rule."""
 
+from math import nan
+
 import pytest
 
 from station.core.errors import ControllerLoadError, ParameterError, SwitchRefusedError
@@ -39,6 +41,43 @@ def test_it_rests_without_a_force_and_gives_way_to_one():
     assert controller.sample.output != pytest.approx(start, abs=1e-6)
 
 
+def test_it_can_command_the_references_of_another_controller():
+    bench = robot_bench()
+    own = {name: CONTROLLER_PARAMETERS[name] for name in NAMES}
+    joints = own["joints"]
+    pid = bench.load_controller(
+        "pid",
+        "pid_controller/PidController",
+        dof_names=joints,
+        command_interface="effort",
+        reference_and_state_interfaces=["position"],
+        gains={joint: {"p": 1.0} for joint in joints},
+    )
+    commanded = [f"pid/{joint}" for joint in joints]
+    it = bench.load_controller("it", KIND, **own, command_joints=commanded)
+    bench.switch(start=["pid", "it"])
+    bench.step(2)
+
+    assert pid.is_in_chained_mode
+    assert pid.sample.desired == it.sample.output
+
+
+@pytest.mark.parametrize("sensor", ["wrench", "position"])
+def test_it_goes_on_while_a_sensor_reads_nan(sensor):
+    bench, controller = load()
+    bench.switch(start=["it"])
+    bench.step(5)
+    before = controller.sample.output
+    if sensor == "position":
+        bench.robot.script.nan_sensors = set(controller.joint_names[:1])
+    else:
+        controller._sensor._force[0] = nan
+    bench.step(5)
+
+    assert bench.fault("it") is None
+    assert controller.sample.output == pytest.approx(before, abs=1e-9)
+
+
 def test_an_axis_that_is_not_selected_takes_no_force():
     bench, controller = load()
     values = {name: 0.0 for name in controller.tunables.values if "selected" in name}
@@ -57,6 +96,7 @@ def test_an_axis_that_is_not_selected_takes_no_force():
     ("more", "error", "words"),
     [
         ({"command_interfaces": ["effort"]}, ParameterError, r"\[position\]"),
+        ({"command_joints": ["panda_joint1"]}, ParameterError, "one name for each"),
         (
             {"kinematics": {"base": "panda_link0", "tip": "moon"}},
             ControllerLoadError,

@@ -1,6 +1,6 @@
 """The rule against ros2_controllers' formulas, computed with matrices, and both modes.
 
-Source: ros2_controllers@4.x admittance_controller/admittance_rule_impl.hpp.
+Source: ros2_controllers@6.x admittance_controller/admittance_rule_impl.hpp.
 """
 
 import numpy as np
@@ -91,7 +91,9 @@ class Expected:
         selected = turn @ np.diag(SELECTED) @ turn.T @ self.force
         damping = turn @ np.diag(DAMPING) @ turn.T
         stiffness = turn @ np.diag(STIFFNESS) @ turn.T
-        acceleration = (selected - damping @ self.velocity - stiffness @ error) / MASS
+        inverse_mass = turn @ np.diag(1.0 / MASS) @ turn.T
+        pull = selected - damping @ self.velocity - stiffness @ error
+        acceleration = inverse_mass @ pull
         matrix = jacobian(q)
         inverse = np.linalg.inv(matrix.T @ matrix + ALPHA * np.eye(SIZE)) @ matrix.T
         joints = inverse @ acceleration - JOINT_DAMPING * self.dq
