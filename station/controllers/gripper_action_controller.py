@@ -25,6 +25,7 @@ from station.core.declared_parameter import (
     DeclaredParameter,
     declare_boolean,
     declare_number,
+    declare_string,
 )
 from station.core.description.robot_description import (
     JointDescription,
@@ -505,6 +506,10 @@ _MAX_VELOCITY = declare_number(
     minimum=0.0,
     excludes_minimum=True,
 )
+_EFFORT_INTERFACE, _VELOCITY_INTERFACE = (
+    declare_string(f"max_{kind}_interface", f"if it is given, max_{kind} counts", "")
+    for kind in ("effort", "velocity")
+)
 _ALLOW_STALLING = declare_boolean(
     "allow_stalling",
     "whether a goal succeeds when the joint stands still elsewhere",
@@ -516,17 +521,16 @@ class ParallelGripperActionController(PositionGripperActionController):
     """Moves a gripper to the position of a goal, with the goal's velocity and effort.
 
     Source:
-        ros2_controllers@4.x parallel_gripper_controller; differs: velocity and effort
-        of a goal are kept here and need no interfaces of the hardware, so that
-        `max_velocity_interface` and `max_effort_interface` have no effect; a position
+        ros2_controllers@6.x parallel_gripper_controller; differs: velocity and effort
+        are kept here and need no interfaces of the hardware. Those of a goal count
+        always, those of the parameters with `max_velocity_interface` and
+        `max_effort_interface`; without them the original has none either. A position
         beyond the joint's limits is refused.
     """
 
     accepted_parameters: ClassVar[tuple[str, ...]] = (
         "action_monitor_rate",
         "state_interfaces",
-        "max_effort_interface",
-        "max_velocity_interface",
     )
     port_type: ClassVar[type[GripperGoalPort]] = ParallelGripperGoalPort
 
@@ -542,7 +546,9 @@ class ParallelGripperActionController(PositionGripperActionController):
         return (
             *(each for each in inherited if each.name != _MAX_EFFORT.name),
             _PARALLEL_EFFORT,
+            _EFFORT_INTERFACE,
             _MAX_VELOCITY,
+            _VELOCITY_INTERFACE,
             _ALLOW_STALLING,
         )
 
@@ -550,7 +556,8 @@ class ParallelGripperActionController(PositionGripperActionController):
     def init(self, interface: PositionJointInterface, params: Parameters) -> None:
         super().init(interface, params)
         self._allows_stalling = _ALLOW_STALLING.read_bool(params)
-        if isinstance(self._port, ParallelGripperGoalPort):
+        velocity = _VELOCITY_INTERFACE.read_str(params)
+        if velocity and isinstance(self._port, ParallelGripperGoalPort):
             self._port.max_velocity = _MAX_VELOCITY.read_float(params)
 
     @override
@@ -565,7 +572,8 @@ class ParallelGripperActionController(PositionGripperActionController):
 
     @override
     def _read_max_effort(self, params: Parameters) -> float:
-        return _PARALLEL_EFFORT.read_float(params)
+        effort = _PARALLEL_EFFORT.read_float(params)
+        return effort if _EFFORT_INTERFACE.read_str(params) else inf
 
     @override
     def _details(

@@ -37,11 +37,21 @@ def test_it_moves_with_the_velocity_of_the_goal(robot, start_parallel):
 def test_the_velocity_of_the_parameters_holds_for_goals_without_one(
     robot, start_parallel
 ):
-    controller = start_parallel(max_velocity=0.05)
+    controller = start_parallel(
+        max_velocity=0.05, max_velocity_interface="slide/max_velocity"
+    )
     submit(controller, position=[0.4])
     robot.run_with_position(controller, 1000)
 
     assert robot.position[0] == pytest.approx(0.05, abs=1e-9)
+
+
+def test_without_an_interface_for_it_a_goal_has_no_velocity(robot, start_parallel):
+    controller = start_parallel()
+    submit(controller, position=[0.4])
+    robot.run_with_position(controller, 1)
+
+    assert controller.sample.output == [0.4]
 
 
 @pytest.mark.parametrize(
