@@ -47,7 +47,7 @@ _NAN = float("nan")
 
 
 class ChainedFilter(ChainableController):
-    """Exports filtered states; commands nothing.
+    """Exports filtered states; commands nothing. A restart keeps what filters know.
 
     Source:
         ChainedFilter; differs: before the first update an output is 0 and not NaN, and
@@ -93,11 +93,6 @@ class ChainedFilter(ChainableController):
             ExportedState(name, self._filtered, index)
             for index, name in enumerate(self._outputs)
         ]
-
-    @override
-    def starting(self, time: float) -> None:
-        for chain in self._chains:
-            chain.reset()
 
     @override
     def update_and_write_commands(self, time: float, period: float) -> None:

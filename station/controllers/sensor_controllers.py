@@ -130,9 +130,10 @@ _MULTIPLIER = _corrections("multiplier", 1.0, "factor of what is measured and ad
 
 
 class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
-    """Publishes one sensor in every cycle, as it is and filtered; commands nothing.
+    """Publishes one sensor in every cycle, and with filters the filtered values, too.
 
-    The published value is `(measured + offset) * multiplier`.
+    The published value is `(measured + offset) * multiplier`. Commands nothing; a
+    restart keeps what filters know.
 
     Source:
         ForceTorqueSensorBroadcaster; differs: a robot has whole sensors, so that
@@ -157,10 +158,6 @@ class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
         self._multiplier = [each.read_float(params) for each in _MULTIPLIER]
 
     @override
-    def starting(self, time: float) -> None:
-        self._filters.reset()
-
-    @override
     def update(self, time: float, period: float) -> None:
         measured = self._sensor.get_force() + self._sensor.get_torque()
         values = [
@@ -169,10 +166,12 @@ class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
                 measured, self._offset, self._multiplier, strict=True
             )
         ]
-        filtered = self._filters.update(values)
+        topics = {"wrench": values}
+        if self._filters:
+            topics["wrench_filtered"] = self._filters.update(values)
         self.messages = {
             name: WrenchStamped(time, self._frame, each[:3], each[3:])._asdict()
-            for name, each in (("wrench", values), ("wrench_filtered", filtered))
+            for name, each in topics.items()
         }
 
 
@@ -423,6 +422,9 @@ _BATTERY_MORE = ("power_supply_technology", "location", "serial_number")
 class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
     """Publishes each battery, and all as one, as sensor_msgs/BatteryState.
 
+    A mean or a sum is NaN if one of its values is; a value that a battery does not
+    measure is not one of them.
+
     Source:
         BatteryStateBroadcaster; differs: the older parameter `sensor_name` is refused,
         and the values of `interfaces` must be values that the battery has.
@@ -452,19 +454,24 @@ class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
         each = [battery.message(time) for battery in self._batteries]
         whole: dict[str, Any] = {**each[0], "frame_id": ""}
         whole["voltage"] = sum(one["voltage"] for one in each) / len(each)
-        for key in _BATTERY_MEANS:
-            known = [one[key] for one in each if isfinite(one[key])]
-            whole[key] = sum(known) / len(known) if known else nan
-        for key in ("charge", "capacity", "design_capacity"):
-            known = [one[key] for one in each if isfinite(one[key])]
+        for key in (*_BATTERY_MEANS, "charge"):
+            known = [
+                one[key]
+                for one, battery in zip(each, self._batteries, strict=True)
+                if battery.tells(key)
+            ]
             whole[key] = sum(known) if known else nan
+            if known and key in _BATTERY_MEANS:
+                whole[key] /= len(known)
+        for key in ("capacity", "design_capacity"):
+            whole[key] = sum(one[key] for one in each)
         for key in ("power_supply_status", "power_supply_health"):
             whole[key] = max(one[key] for one in each)
-        whole["present"] = any(one["present"] for one in each)
+        whole["present"] = True
         kinds = {one["power_supply_technology"] for one in each}
         whole["power_supply_technology"] = kinds.pop() if len(kinds) == 1 else 0
         for key in ("location", "serial_number"):
-            whole[key] = ", ".join(one[key] for one in each if one[key])
+            whole[key] = "".join(f"{one[key]}, " for one in each)
         raw = {"stamp": time, "battery_states": each}
         self.messages = {"battery_state": whole, "raw_battery_states": raw}
 
@@ -508,6 +515,11 @@ class _Battery:
             "location": str(own.get("location", "")),
             "serial_number": str(own.get("serial_number", "")),
         }
+
+    def tells(self, key: str) -> bool:
+        """Return whether the battery measures `key`, or the voltage tells it."""
+        by_voltage = key == "percentage" and isfinite(self._high - self._low)
+        return key in self._measured or by_voltage
 
     def message(self, time: float) -> dict[str, Any]:
         """Return the state of the battery; NaN for unknown values.

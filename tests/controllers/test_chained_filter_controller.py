@@ -83,6 +83,24 @@ def test_each_input_may_have_filters_of_its_own_and_filters_can_be_chained(bench
         bench.manager.unload_controller("first")
 
 
+def test_a_restart_keeps_what_the_filters_know(bench):
+    filtered = bench.load_controller(
+        "f",
+        FILTER,
+        input_interfaces=["eye/range"],
+        output_interfaces=["a"],
+        filter_chain=mean(2),
+    )
+    bench.switch(["f"])
+    bench.step()
+    bench.switch(stop=["f"])
+    bench.robot.sensor_values["eye"][0] = 5.0
+    bench.switch(["f"])
+    bench.step()
+    (exported,) = filtered.on_export_state_interfaces()
+    assert exported.storage[0] == (3.0 + 5.0) / 2
+
+
 @pytest.mark.parametrize(
     ("parameters", "error", "words"),
     [

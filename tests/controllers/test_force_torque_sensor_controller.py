@@ -96,3 +96,10 @@ def test_one_sensor_is_published_corrected_and_filtered(sensing_robot, force):
     assert published["wrench"]["force"] == [8.0, 2.0, 3.0]
     assert published["wrench"]["torque"] == [4.0, 5.0, -6.0]
     assert published["wrench_filtered"]["force"] == [6.0, 2.0, 3.0]
+
+
+def test_without_filters_nothing_is_published_as_filtered(sensing_robot):
+    controller = sensing_robot.start(ForceTorqueSensorBroadcaster, sensor_name="wrist")
+    sensing_robot.step(controller)
+
+    assert set(controller.published()) == {"wrench"}

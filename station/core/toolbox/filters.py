@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Mapping
 from math import exp, pi
-from statistics import median
+from statistics import median_low
 from typing import NoReturn
 
 from typing_extensions import override
@@ -40,10 +40,6 @@ class Filter(ABC):
             values: The numbers, shape (n,).
         """
 
-    @abstractmethod
-    def reset(self) -> None:
-        """Forget all numbers."""
-
 
 class WindowFilter(Filter):
     """Computes the mean, the median or the like of the last numbers of each channel.
@@ -61,10 +57,6 @@ class WindowFilter(Filter):
     def update(self, values: list[float]) -> list[float]:
         self._kept.append(list(values))
         return [self._compute(list(each)) for each in zip(*self._kept, strict=True)]
-
-    @override
-    def reset(self) -> None:
-        self._kept.clear()
 
 
 class LowPassFilter(Filter):
@@ -95,10 +87,6 @@ class LowPassFilter(Filter):
         self._input = list(values)
         return list(self._output)
 
-    @override
-    def reset(self) -> None:
-        self._input, self._output = [], []
-
 
 def _mean(values: list[float]) -> float:
     return sum(values) / len(values)
@@ -120,7 +108,8 @@ _KINDS: Mapping[
     str, tuple[Callable[[Mapping[str, float]], Filter], tuple[str, ...]]
 ] = {
     "filters/MeanFilter": (_window(_mean), ("number_of_observations",)),
-    "filters/MedianFilter": (_window(median), ("number_of_observations",)),
+    # Of an even number the original takes the lower one of the two in the middle.
+    "filters/MedianFilter": (_window(median_low), ("number_of_observations",)),
     "control_filters/LowPassFilter": (
         _low_pass,
         ("sampling_frequency", "damping_frequency", "damping_intensity"),
@@ -178,10 +167,9 @@ class FilterChain:
             values = each.update(values)
         return values
 
-    def reset(self) -> None:
-        """Forget all numbers."""
-        for each in self._filters:
-            each.reset()
+    def __len__(self) -> int:
+        """Return the number of filters."""
+        return len(self._filters)
 
 
 def _read_filter(value: object, place: str) -> Filter:

@@ -34,6 +34,14 @@ def test_the_median_ignores_a_spike():
     assert found[2:].ravel() == pytest.approx([0.1, 0.2, 0.2])
 
 
+def test_the_median_of_an_even_number_is_the_lower_one_in_the_middle():
+    kind = "filters/MedianFilterDouble"
+    found = run(one(kind, number_of_observations=4), [[3.0], [1.0], [7.0], [5.0]])
+
+    # kth_smallest of rank n / 2 - 1 if n is even, else n / 2.
+    assert found.ravel() == pytest.approx([3.0, 1.0, 3.0, 3.0])
+
+
 def test_the_low_pass_is_that_of_control_toolbox():
     found = run(
         one(
