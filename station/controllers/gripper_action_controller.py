@@ -556,9 +556,10 @@ class ParallelGripperActionController(PositionGripperActionController):
     def init(self, interface: PositionJointInterface, params: Parameters) -> None:
         super().init(interface, params)
         self._allows_stalling = _ALLOW_STALLING.read_bool(params)
-        velocity = _VELOCITY_INTERFACE.read_str(params)
-        if velocity and isinstance(self._port, ParallelGripperGoalPort):
-            self._port.max_velocity = _MAX_VELOCITY.read_float(params)
+        velocity = _MAX_VELOCITY.read_float(params)
+        has_interface = bool(_VELOCITY_INTERFACE.read_str(params))
+        if has_interface and isinstance(self._port, ParallelGripperGoalPort):
+            self._port.max_velocity = velocity
 
     @override
     def next_position(self, target: GripperTarget, period: float) -> float:
