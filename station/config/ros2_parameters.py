@@ -283,29 +283,6 @@ def _imu(params: Values, place: str) -> Values:  # noqa: ARG001 - as the others
     return params
 
 
-def _diff_drive(params: Values, place: str) -> Values:
-    for side in ("left", "right"):
-        if f"{side}_wheel_names" in params:
-            params[f"{side}_wheel"] = params.pop(f"{side}_wheel_names")
-    # In the station both wheels have the same multiplier.
-    sides = [f"{side}_wheel_radius_multiplier" for side in ("left", "right")]
-    left, right = (params.get(key) for key in sides)
-    if left is not None and left == right:
-        params["wheel_radius_multiplier"] = left
-        for key in sides:
-            del params[key]
-    if "publish_limited_velocity" in params:
-        params["publish_cmd"] = params.pop("publish_limited_velocity")
-    # In ROS 2 a limit holds if it is given; ros_control needs a flag, too.
-    for group, axis in (("linear", "x"), ("angular", "z")):
-        limits = _group(params, group, f"{place}: ")
-        part = _group(limits, axis, f"{place}: {group}/")
-        for kind in ("velocity", "acceleration", "jerk"):
-            if f"max_{kind}" in part:
-                part.setdefault(f"has_{kind}_limits", True)
-    return params
-
-
 _TRANSLATIONS: Mapping[str, Callable[[Values, str], Values]] = {
     # In the station every trajectory controller scales its speed.
     "ur_controllers/ScaledJointTrajectoryController": _trajectory,
@@ -313,5 +290,4 @@ _TRANSLATIONS: Mapping[str, Callable[[Values, str], Values]] = {
     "forward_command_controller/ForwardCommandController": _forward,
     "joint_state_broadcaster/JointStateBroadcaster": _joint_states,
     "imu_sensor_broadcaster/IMUSensorBroadcaster": _imu,
-    "diff_drive_controller/DiffDriveController": _diff_drive,
 }
