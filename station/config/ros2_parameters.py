@@ -213,6 +213,12 @@ _KINDS = {
 }
 
 
+_AS_LONG_AS_IT_TAKES = 86_400.0
+"""Longest goal time tolerance that a trajectory controller takes [s]."""
+_NO_BOUND = 1e6
+"""Bound of the integral part that no controller reaches [N, Nm, m/s or rad/s]."""
+
+
 def _group(params: Values, key: str, place: str) -> Values:
     """Return the parameters below a key, which are none if it is left empty.
 
@@ -247,14 +253,24 @@ def _trajectory(params: Values, place: str) -> Values:
     params["type"] = f"{kind}/JointTrajectoryController"
     params.pop("state_interfaces", None)
     # In ROS 2 `speed_scaling` may name interfaces of a driver; here it is a factor.
-    if isinstance(params.get("speed_scaling"), dict):
-        del params["speed_scaling"]
+    if isinstance(speed := params.get("speed_scaling"), dict):
+        params["speed_scaling"] = speed.get("initial_scaling_factor", 1.0)
+    # In ROS 2 a goal without a goal_time waits for the joints as long as it takes.
+    constraints = _group(params, "constraints", f"{place}: ")
+    params["constraints"] = {
+        **constraints,
+        "goal_time": constraints.get("goal_time") or _AS_LONG_AS_IT_TAKES,
+    }
     joints = params.pop("command_joints", None) or params.get("joints")
     params["joints"] = joints
     # ROS 2 has the feed-forward gain of the velocity among the gains of a joint.
     gains = _group(params, "gains", f"{place}: ")
     for joint in gains:
-        scale = _group(gains, joint, f"{place}: gains/").pop("ff_velocity_scale", None)
+        own = _group(gains, joint, f"{place}: gains/")
+        # The integral part of ROS 2 has no bound unless one is given.
+        if own.get("i") and not any(key.startswith("i_clamp") for key in own):
+            own["i_clamp"] = _NO_BOUND
+        scale = own.pop("ff_velocity_scale", None)
         if scale is not None:
             forward = _group(params, "velocity_ff", f"{place}: ")
             params["velocity_ff"] = {**forward, joint: scale}

@@ -23,7 +23,9 @@ arm:
     joints: [j1, j2]
     command_interfaces: [effort]
     state_interfaces: [position, velocity]
-    gains.j1: {p: 10.0, d: 1.0, ff_velocity_scale: 0.5}
+    gains.j1: {p: 10.0, i: 2.0, d: 1.0, ff_velocity_scale: 0.5}
+    gains.j2: {p: 10.0, i: 2.0, i_clamp_max: 1.0}
+    speed_scaling: {initial_scaling_factor: 0.5, state_interface: a/b}
     constraints: {stopped_velocity_tolerance: 0.2, j1.goal: 0.1}
     command_timeout: 0.1
 force:
@@ -43,9 +45,18 @@ def test_controllers_have_the_parameters_of_their_nodes():
     assert found.controllers["arm"] == {
         "type": "effort_controllers/JointTrajectoryController",
         "joints": ["j1", "j2"],
-        "gains": {"j1": {"p": 10.0, "d": 1.0}},
+        "gains": {
+            # Neither a missing bound nor a missing time is 0 in ROS 2.
+            "j1": {"p": 10.0, "i": 2.0, "d": 1.0, "i_clamp": 1e6},
+            "j2": {"p": 10.0, "i": 2.0, "i_clamp_max": 1.0},
+        },
         "velocity_ff": {"j1": 0.5},
-        "constraints": {"stopped_velocity_tolerance": 0.2, "j1": {"goal": 0.1}},
+        "speed_scaling": 0.5,
+        "constraints": {
+            "stopped_velocity_tolerance": 0.2,
+            "j1": {"goal": 0.1},
+            "goal_time": 86_400.0,
+        },
         "command_timeout": 0.1,
     }
     assert found.controllers["states"] == {
@@ -172,7 +183,8 @@ base:
         (FILE.replace("    command_interfaces: [effort]\n", ""), "interfaces are None"),
         (FILE.replace("gains.j1: {p: 10.0", "gains: {p: 10.0"), "gains/p is 10.0"),
         (FILE.replace("gains.j1: {", "velocity_ff: 3\n    gains.j1: {"), "_ff is 3"),
-        (FILE.replace("gains.j1:", "gains: 5\n    more:"), "arm: gains is 5"),
+        (FILE.replace("gains.j1:", "gains: 5\n    more:").replace("gains.j2", "no"),
+         "arm: gains is 5"),
         (FILE.replace("ros__parameters:\n    joints", "ros_parameters:\n    joints"),
          "arm/ros_parameters has no effect. Did you mean 'ros__parameters'"),
         ("a: {ros_parameters: {b: {type: p/T}}}", "Did you mean 'ros__parameters'"),
