@@ -215,8 +215,7 @@ class ControllerLifecycle:
             return
         problem = one.excessive_jump()
         if problem is not None:
-            self.fail(one, time, problem, None)
-            self.fall_back(one, time)
+            self.fail_chain(one, time, problem, None)
 
     def _is_to_move(self, one: LoadedController) -> bool:
         """Return whether `one` or a controller that commands it got a set-point."""
@@ -324,9 +323,7 @@ class ControllerLifecycle:
         for one in reversed(self.loaded):
             missing = one.missing_following()
             if missing is not None and one.controller.state is _RUNNING:
-                name, fault = missing.info.name, missing.fault or "it was stopped"
-                problem = f"its following controller '{name}' does not run: {fault}"
-                self.fail(one, time, problem, None)
+                self.fail(one, time, _without(missing), None)
                 broken.append(one)
         for one in broken:
             self.fall_back(one, time)
@@ -356,8 +353,7 @@ class ControllerLifecycle:
             # No controller commands it, so it cannot stay in this mode.
             target.is_in_chained_mode = False
             if target.state is _RUNNING:
-                self.fail(one, time, problem, None)
-                self.fall_back(one, time)
+                self.fail_chain(one, time, problem, None)
 
     def reset(self, one: LoadedController, time: float) -> None:
         """Stop and start one controller if it runs (CM-78)."""
@@ -372,6 +368,33 @@ class ControllerLifecycle:
         self.abort(one, time, reason)
         one.traceback = trace or one.traceback
         self.release([one])
+
+    def fail_chain(
+        self, one: LoadedController, time: float, reason: str, trace: str | None
+    ) -> None:
+        """Take a running controller that has failed and its chain off the robot.
+
+        The chain are the running controllers that command it or that it commands, and
+        so on. Then the fallback of each starts. A controller that it commands runs on
+        if its fallback commands that controller, too.
+        """
+        fallback = [each for each in self.loaded if each.info.name in one.fallback]
+        kept = {each.info.name for standby in fallback for each in _below(standby)}
+        self.fail(one, time, reason, trace)
+        ended = [one]
+        for each in ended:
+            for other in self.loaded:
+                if other.controller.state is not _RUNNING:
+                    continue
+                problem = _without(each) if each in other.following else None
+                if other in each.following and other.info.name not in kept:
+                    problem = f"'{each.info.name}', which commanded it, has failed: "
+                    problem += f"{each.fault}"
+                if problem is not None:
+                    self.fail(other, time, problem, None)
+                    ended.append(other)
+        for each in ended:
+            self.fall_back(each, time)
 
     def release(self, stopped: Sequence[LoadedController]) -> str | None:
         """Take stopped controllers off the hardware; return the failure, if any.
@@ -485,6 +508,16 @@ class ControllerLifecycle:
             if problem is not None or one.info not in stop:
                 one.commands.put_back(values)
         return problem
+
+
+def _without(missing: LoadedController) -> str:
+    name, fault = missing.info.name, missing.fault or "it was stopped"
+    return f"its following controller '{name}' does not run: {fault}"
+
+
+def _below(one: LoadedController) -> list[LoadedController]:
+    """Return all controllers down the chain of `one`."""
+    return [each for next_ in one.following for each in (next_, *_below(next_))]
 
 
 def _claims(info: ControllerInfo) -> list[tuple[str, str]]:

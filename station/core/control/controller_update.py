@@ -261,8 +261,7 @@ class ControllerUpdate:
         self, one: LoadedController, time: float, problem: str, trace: str | None
     ) -> None:
         with self.changes:
-            self.lifecycle.fail(one, time, problem, trace)
-            self.lifecycle.fall_back(one, time)
+            self.lifecycle.fail_chain(one, time, problem, trace)
 
     def _judge_duration(
         self, one: LoadedController, time: float, duration: float

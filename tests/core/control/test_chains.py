@@ -165,6 +165,10 @@ def load_chain(bench):
     return [bench.manager.get_controller(n) for n in ("scale", "cascade", "spring")]
 
 
+def broken(*_):
+    raise RuntimeError("it broke")
+
+
 def running(bench):
     return bench.manager.running_names()
 
@@ -244,6 +248,54 @@ def test_a_failure_ends_the_chain_in_the_same_cycle_and_starts_fallbacks(bench):
     assert "'spring' does not run" in statuses["cascade"].fault
     assert "'cascade' does not run" in statuses["last"].fault
     assert statuses["last"].state is ControllerState.ABORTED
+
+
+def test_a_failure_at_the_top_ends_the_chain_below_before_its_fallback_starts(bench):
+    bench.load_controller("safe", "test/Spring", joint="j1")
+    _, cascade, spring = load_chain(bench)
+    bench.load_controller(
+        "last", "test/Scale", reference="cascade/scale", fallback=["safe"]
+    )
+    last = bench.manager.get_controller("last")
+    bench.switch(start=["last", "cascade", "spring"])
+    bench.step()
+    last.update = broken
+
+    bench.step()
+
+    # The fallback takes the joint of the spring, at the other end of the chain.
+    assert running(bench) == ["safe"]
+    assert "it broke" in bench.fault("last")
+    assert "'last', which commanded it, has failed" in bench.fault("cascade")
+    assert "'cascade', which commanded it, has failed" in bench.fault("spring")
+    assert not cascade.is_in_chained_mode
+    assert not spring.is_in_chained_mode
+
+
+def test_a_fallback_may_take_the_references_over(bench):
+    _, cascade, _ = load_chain(bench)
+    for name, fallback in (("second", []), ("first", ["second"])):
+        bench.load_controller(
+            name, "test/Scale", reference="cascade/scale", fallback=fallback
+        )
+    bench.switch(start=["first", "cascade", "spring"])
+    bench.step()
+    bench.manager.get_controller("first").update = broken
+
+    bench.step()
+
+    assert running(bench) == ["second", "cascade", "spring"]
+    assert cascade.is_in_chained_mode
+
+
+def test_a_start_that_fails_leaves_the_controller_below_alone(bench):
+    bench.load_controller("line", "test/Joint", joint="spring/j1")
+    bench.manager.get_controller("line").starting = broken
+    bench.switch(start=["spring"])
+
+    bench.switch(start=["line"], strictness=Strictness.BEST_EFFORT)
+
+    assert running(bench) == ["spring"]
 
 
 def test_a_follower_that_refuses_chained_mode_keeps_its_predecessor_off(bench):
