@@ -169,7 +169,9 @@ class LoadedController:
             self.commands.write_again()
             return -1.0
         self.countdown = self.every - 1
-        elapsed = self.elapsed
+        # As in ros2_control the first update has the period of those that follow.
+        is_first = self.fresh and period > 0.0
+        elapsed = self.every * self.loop_period if is_first else self.elapsed
         self.elapsed = 0.0
         return elapsed
 
