@@ -239,7 +239,7 @@ class ControllerFactory:
         except StationError as error:
             raise ControllerLoadError(
                 f"Controller '{name}' cannot be initialised: {error.message}",
-                remedy=error.remedy,
+                remedy=error.remedy + _load_order(name, error),
                 details={**error.details, "controller": name, "cause": error.code},
             ) from error
         except CONTAINED as error:
@@ -400,3 +400,13 @@ class Loading:
         except BaseException as error:  # noqa: BLE001 - handed to the caller
             self._error = error
         self._done.set()
+
+
+def _load_order(name: str, error: StationError) -> str:
+    """Return advice if a resource that is missing has the name of a reference."""
+    owner, slash, _ = str(error.details.get("resource", "")).partition("/")
+    if not slash:
+        return ""
+    if owner == name:
+        return " A controller cannot command its own references."
+    return f" References of a controller '{owner}' exist once it is loaded."

@@ -15,6 +15,7 @@ from station.core.control.controller import Controller, ControllerState
 from station.core.control.controller_loader import TableLoader
 from station.core.control.switching import Strictness
 from station.core.errors import (
+    ControllerLoadError,
     ControllerStateError,
     ResourceConflictError,
     SwitchRefusedError,
@@ -216,6 +217,22 @@ def test_a_stopped_preceding_controller_leaves_the_follower_to_its_set_points(be
     assert not spring.is_in_chained_mode
     assert spring.references[0] == pytest.approx(0.1)
     assert running(bench) == ["spring"]
+
+
+@pytest.mark.parametrize(
+    ("reference", "advice"),
+    [
+        ("later/scale", "References of a controller 'later' exist once it is loaded."),
+        ("ring/scale", "A controller cannot command its own references."),
+    ],
+)
+def test_a_reference_that_is_not_there_yet_is_told_with_its_owner(
+    bench, reference, advice
+):
+    with pytest.raises(ControllerLoadError, match=reference) as refused:
+        bench.load_controller("ring", "test/Cascade", reference=reference)
+
+    assert refused.value.remedy.endswith(advice)
 
 
 def test_two_controllers_cannot_command_one_reference(bench):
