@@ -6,7 +6,7 @@ Source: ros2_controllers@6.x pid_controller/src/pid_controller.cpp, pid_controll
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite, nan, sqrt
+from math import inf, isfinite, isinf, nan, sqrt
 from typing import ClassVar
 
 from typing_extensions import override
@@ -378,7 +378,11 @@ class PidController(JointReferenceController):
 
 
 def _optional(declared: DeclaredParameter, params: Parameters, absent: float) -> float:
-    return declared.read_float(params) if params.has(declared.name) else absent
+    value = params.get(declared.name)
+    # The defaults of ROS 2 are infinite, and files may repeat them.
+    if isinstance(value, float) and isinf(value):
+        return value
+    return absent if value is None else declared.read_float(params)
 
 
 def _read_strategy(params: Parameters, name: str) -> str:

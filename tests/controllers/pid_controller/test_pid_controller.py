@@ -1,5 +1,7 @@
 """The controller of PIDs: references, set-points, feed-forward, and in a chain."""
 
+from math import inf
+
 import pytest
 
 from station.core.errors import ControllerLoadError, ParameterError
@@ -147,6 +149,14 @@ def test_it_may_wait_for_the_first_reference(bench):
     controller.set_points.post([0.3])
     bench.step()
     assert controller.sample.output[0] > 0.0
+
+
+def test_bounds_may_be_infinite(bench):
+    controller = one(bench, u_clamp_max=inf, u_clamp_min=-inf, i_clamp_max=inf)
+    controller.set_points.post([3.0])
+    bench.step()
+
+    assert controller.sample.output == pytest.approx([2.8])
 
 
 def test_bounds_of_the_command_may_be_switched_off(bench):
