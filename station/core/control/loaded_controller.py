@@ -132,20 +132,15 @@ class LoadedController:
         self.times = UpdateTimes()
 
     def set_loop_period(self, period: float) -> None:
-        """Choose the possible update rate that is nearest to the requested one.
+        """Choose the number of cycles that is nearest to the requested period.
 
         Args:
             period: Nominal period of the loop [s], > 0.
         """
         self.loop_period = period
         if self.update_rate > 0.0:
-            fewer = max(int(1.0 / (period * self.update_rate)), 1)
-            # Possible rates are those of the loop over whole numbers; one of two is
-            # nearest.
-            self.every = min(
-                (fewer, fewer + 1),
-                key=lambda n: abs(1.0 / (n * period) - self.update_rate),
-            )
+            # A half is rounded up, as std::round of ros2_control does.
+            self.every = max(int(1.0 / (period * self.update_rate) + 0.5), 1)
 
         # The rate of an asynchronous controller is that of its own updates.
         if self.beside is not None:
@@ -187,8 +182,8 @@ class LoadedController:
             return ()
         return (
             f"Its update_rate of {wanted:g} Hz is no whole part of the loop's "
-            f"{1.0 / self.loop_period:g} Hz: it is updated at {actual:g} Hz, the "
-            "nearest possible rate.",
+            f"{1.0 / self.loop_period:g} Hz: it is updated at {actual:g} Hz, after "
+            "the nearest number of cycles.",
         )
 
     def watch_first_update(self) -> None:

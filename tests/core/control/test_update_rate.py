@@ -56,9 +56,19 @@ def test_its_command_is_kept_in_between_also_if_the_robot_limits_it():
 
 
 @pytest.mark.parametrize(
-    ("wanted", "possible"), [(300, 1000 / 3), (800, 1000), (600, 500), (5000, 1000)]
+    ("wanted", "possible"),
+    # 1000 over round(1000 / wanted), as ros2_control has it.
+    [
+        (300, 1000 / 3),
+        (800, 1000),
+        (700, 1000),
+        (600, 500),
+        (400, 1000 / 3),
+        (410, 500),
+        (5000, 1000),
+    ],
 )
-def test_an_impossible_rate_becomes_the_nearest_possible_and_is_told(wanted, possible):
+def test_an_impossible_rate_becomes_a_possible_one_and_is_told(wanted, possible):
     bench, _ = make(wanted)
 
     status = bench.status("counter")
