@@ -261,6 +261,7 @@ def _trajectory(params: Values, place: str) -> Values:
         **constraints,
         "goal_time": constraints.get("goal_time") or _AS_LONG_AS_IT_TAKES,
     }
+    params.setdefault("allow_nonzero_velocity_at_trajectory_end", False)
     joints = params.pop("command_joints", None) or params.get("joints")
     params["joints"] = joints
     # ROS 2 has the feed-forward gain of the velocity among the gains of a joint.

@@ -52,6 +52,7 @@ def test_controllers_have_the_parameters_of_their_nodes():
         },
         "velocity_ff": {"j1": 0.5},
         "speed_scaling": 0.5,
+        "allow_nonzero_velocity_at_trajectory_end": False,
         "constraints": {
             "stopped_velocity_tolerance": 0.2,
             "j1": {"goal": 0.1},

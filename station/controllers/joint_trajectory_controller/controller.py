@@ -258,6 +258,11 @@ class JointTrajectoryState(NamedTuple):
 _ALLOW_PARTIAL_JOINTS_GOAL = declare_boolean(
     "allow_partial_joints_goal", "a trajectory may leave joints out", default=False
 )
+_MAY_END_MOVING = declare_boolean(
+    "allow_nonzero_velocity_at_trajectory_end",
+    "the last point of a trajectory may have velocities",
+    default=True,
+)
 _CONSTRAINTS = "constraints"
 _BASE = declare_string(
     "kinematics/base",
@@ -320,6 +325,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
             *(each.inside(_CONSTRAINTS) for each in TOLERANCE_PARAMETERS),
             _STOP_TRAJECTORY_DURATION,
             _ALLOW_PARTIAL_JOINTS_GOAL,
+            _MAY_END_MOVING,
             _BASE,
             _TIP,
             *SPEED_PARAMETERS,
@@ -345,6 +351,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
             self.execution,
             self.joints,
             allow_partial_joints_goal=_ALLOW_PARTIAL_JOINTS_GOAL.read_bool(params),
+            may_end_moving=_MAY_END_MOVING.read_bool(params),
         )
         self._update = TrajectoryUpdate(
             self.execution, self._adapter.law, self._adapter.output

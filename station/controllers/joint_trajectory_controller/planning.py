@@ -39,6 +39,7 @@ from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
 
 MAX_DURATION = 86_400.0
 """Latest end of a trajectory from now, and longest goal time tolerance [s]: a day."""
+_FLOAT_EPSILON = 2.0**-23
 _PEAK_RATIO = 1.1
 """Allowed speed between two points as a multiple of the limit: planners bound the speed
 at the points only."""
@@ -85,6 +86,7 @@ class TrajectoryPlanner:
         execution: Carries the plans out.
         joints: The joints.
         allow_partial_joints_goal: Whether a trajectory may leave joints out.
+        may_end_moving: Whether the last point may have velocities.
 
     Attributes:
         execution: As given.
@@ -96,12 +98,14 @@ class TrajectoryPlanner:
         joints: list[JointDescription],
         *,
         allow_partial_joints_goal: bool = False,
+        may_end_moving: bool = True,
     ) -> None:
         self.execution = execution
         self._joints = joints
         self._names = [joint.name for joint in joints]
         self._wraps = [joint.type is JointType.CONTINUOUS for joint in joints]
         self._allow_partial = allow_partial_joints_goal
+        self._may_end_moving = may_end_moving
         self._planning = threading.Lock()
 
     def plan(
@@ -203,6 +207,8 @@ class TrajectoryPlanner:
         if ticket is not None:
             ticket.planned_at = present.time
         check_times(request, present.time)
+        if not self._may_end_moving:
+            check_end(request)
         request, tolerances = self._stays(request, tolerances, present)
         passed = to_nanoseconds(present.period * self.execution.speed.factor)
         following = present.uptime + passed
@@ -395,6 +401,31 @@ def check_times(request: JointTrajectory, now: float) -> None:
                 f"Point {index} is due in {due:.6g} s; allowed are {MAX_DURATION:g} s.",
                 remedy="Give times in seconds, not in nanoseconds.",
                 details={"point": index, "reason": "duration", "due": due},
+            )
+
+
+def check_end(request: JointTrajectory) -> None:
+    """Refuse velocities of the last point.
+
+    Args:
+        request: The trajectory, with points.
+
+    Raises:
+        InvalidTrajectoryError: The last point has such a velocity.
+
+    Source:
+        ros2_controllers@6.x joint_trajectory_controller.cpp, validate_trajectory_msg.
+    """
+    # Names of the wrong number are refused elsewhere.
+    velocities = zip(request.joint_names, request.points[-1].velocities, strict=False)
+    for name, velocity in velocities:
+        if abs(velocity) > _FLOAT_EPSILON:
+            raise InvalidTrajectoryError(
+                f"The trajectory ends with a velocity of {velocity:.6g} of '{name}'; "
+                "it must be 0.",
+                remedy="Let the joints come to rest, or set "
+                "allow_nonzero_velocity_at_trajectory_end.",
+                details={"joint": name, "quantity": "velocity", "reason": "end"},
             )
 
 

@@ -171,3 +171,15 @@ def test_a_goal_that_starts_far_away_is_not_raced_to(robot, start, make_goal):
 
     robot.run_with_position(controller, 200)
     assert robot.position == [0.0, 0.0, 0.0]
+
+
+def test_a_trajectory_may_have_to_end_at_rest(start, make_goal):
+    controller = start(allow_nonzero_velocity_at_trajectory_end=False)
+    point, rest = [0.1, 0.1, 0.1], [0.0, 0.0, 0.0]
+
+    with pytest.raises(InvalidTrajectoryError, match="velocity of 0.01 of 'elbow'"):
+        controller.goals.submit(make_goal((1.0, point, [0.0, 0.01, 0.0])))
+    # Velocities on the way and rounding at the end are allowed.
+    way = (1.0, point, [0.0, 0.01, 0.0])
+    controller.goals.submit(make_goal(way, (2.0, point, [1e-8, 0.0, 0.0])))
+    controller.goals.submit(make_goal((1.0, point, rest)))
