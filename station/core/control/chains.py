@@ -218,8 +218,11 @@ def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
 
 
 def depth_of(one: LoadedController) -> int:
-    """Return the length of the longest chain that a controller commands; 0 for none."""
-    return max((1 + depth_of(each) for each in one.following), default=0)
+    """Return the length of the longest chain below a controller; 0 for none.
+
+    The chain are the controllers that it commands, or whose states it reads.
+    """
+    return max((1 + depth_of(each) for each in (*one.following, *one.read)), default=0)
 
 
 def insert_in_order(

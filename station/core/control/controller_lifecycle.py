@@ -60,8 +60,8 @@ class ControllerLifecycle:
 
     @property
     def has_chains(self) -> bool:
-        """True if a loaded controller commands another one."""
-        return any(one.following for one in self.loaded)
+        """True if a loaded controller commands another one, or reads its states."""
+        return any(one.following or one.read for one in self.loaded)
 
     def find(self, name: str) -> LoadedController:
         """Return the controller loaded as `name`. Any thread.
@@ -114,7 +114,7 @@ class ControllerLifecycle:
             return "it was never initialised"
         missing = one.missing_following()
         if missing is not None:
-            reason = f"its following controller '{missing.info.name}' does not run"
+            reason = f"{_named(one, missing)} does not run"
             self.fail(one, time, reason, None)
             return reason
         # A restart takes over its own commands.
@@ -319,12 +319,16 @@ class ControllerLifecycle:
         continues from that controller's references.
         """
         broken: list[LoadedController] = []
-        # From the hardware upwards: a chain that ends may break the one above it.
-        for one in reversed(self.loaded):
-            missing = one.missing_following()
-            if missing is not None and one.controller.state is _RUNNING:
-                self.fail(one, time, _without(missing), None)
-                broken.append(one)
+        # From the hardware upwards, and once more for those that read states: a chain
+        # that ends may break the one above it.
+        before = -1
+        while before < len(broken):
+            before = len(broken)
+            for one in reversed(self.loaded):
+                missing = one.missing_following()
+                if missing is not None and one.controller.state is _RUNNING:
+                    self.fail(one, time, _without(one, missing), None)
+                    broken.append(one)
         for one in broken:
             self.fall_back(one, time)
         # From the far end: a controller that fails here stops commanding the next one.
@@ -374,9 +378,9 @@ class ControllerLifecycle:
     ) -> None:
         """Take a running controller that has failed and its chain off the robot.
 
-        The chain are the running controllers that command it or that it commands, and
-        so on. Then the fallback of each starts. A controller that it commands runs on
-        if its fallback commands that controller, too.
+        The chain are the running controllers that command it or that it commands, those
+        that read its states, and so on. Then the fallback of each starts. A controller
+        that it commands runs on if its fallback commands that controller, too.
         """
         fallback = [each for each in self.loaded if each.info.name in one.fallback]
         kept = {each.info.name for standby in fallback for each in _below(standby)}
@@ -386,7 +390,8 @@ class ControllerLifecycle:
             for other in self.loaded:
                 if other.controller.state is not _RUNNING:
                     continue
-                problem = _without(each) if each in other.following else None
+                needed = (*other.following, *other.read)
+                problem = _without(other, each) if each in needed else None
                 if other in each.following and other.info.name not in kept:
                     problem = f"'{each.info.name}', which commanded it, has failed: "
                     problem += f"{each.fault}"
@@ -510,9 +515,17 @@ class ControllerLifecycle:
         return problem
 
 
-def _without(missing: LoadedController) -> str:
-    name, fault = missing.info.name, missing.fault or "it was stopped"
-    return f"its following controller '{name}' does not run: {fault}"
+def _named(one: LoadedController, other: LoadedController) -> str:
+    """Return a controller that another one needs, in words."""
+    name = other.info.name
+    if other in one.following:
+        return f"its following controller '{name}'"
+    return f"the controller '{name}', whose states it reads,"
+
+
+def _without(one: LoadedController, missing: LoadedController) -> str:
+    fault = missing.fault or "it was stopped"
+    return f"{_named(one, missing)} does not run: {fault}"
 
 
 def _below(one: LoadedController) -> list[LoadedController]:

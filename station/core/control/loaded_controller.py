@@ -224,8 +224,12 @@ class LoadedController:
         return None if self.may_jump else self.commands.excessive_jump()
 
     def missing_following(self) -> "LoadedController | None":
-        """Return a following controller that does not run; None if all run."""
-        for one in self.following:
+        """Return a controller that it commands or reads and that does not run.
+
+        Returns:
+            None if all run.
+        """
+        for one in (*self.following, *self.read):
             if one.controller.state is not ControllerState.RUNNING:
                 return one
         return None

@@ -165,6 +165,7 @@ class SwitchCaller:
                 one.controller.state,
                 one.is_unreleased,
                 tuple(each.info.name for each in one.following),
+                tuple(each.info.name for each in one.read),
             )
             for one in loaded
         ]

@@ -155,6 +155,13 @@ class Candidate(NamedTuple):
     """Whether the robot has not confirmed that the controller has stopped."""
     following: tuple[str, ...] = ()
     """Names of the controllers whose references this controller commands."""
+    read: tuple[str, ...] = ()
+    """Names of the controllers whose states this controller reads."""
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """Names of the controllers without which this controller does not run."""
+        return (*self.following, *self.read)
 
 
 class _Draft:
@@ -233,24 +240,24 @@ def _runs_after(one: Candidate, start: Sequence[str], stop: Sequence[str]) -> bo
 def _add_to_chains(
     loaded: Sequence[Candidate], start: list[str], stop: list[str]
 ) -> None:
-    """Add following controllers to `start`, and preceding ones to `stop`.
+    """Add controllers that are needed to `start`, and those that need to `stop`.
 
     A controller that the request names in both lists stays in both.
     """
-    # Preceding controllers come first in the list, so one pass in each direction
-    # follows a chain to its end.
-    for one in loaded:
-        if one.info.name in start:
+    # Each pass follows every chain by one controller at least.
+    for one in [*loaded] * len(loaded):
+        name = one.info.name
+        if name in start:
             start += [
                 each.info.name
                 for each in loaded
-                if each.info.name in one.following
+                if each.info.name in one.needed
                 and not _runs_after(each, start, stop)
                 and each.info.name not in stop
             ]
-    for one in reversed(loaded):
+    for one in [*reversed(loaded)] * len(loaded):
         name = one.info.name
-        needs_stopped = not set(one.following).isdisjoint(stop)
+        needs_stopped = not set(one.needed).isdisjoint(stop)
         runs = one.state is ControllerState.RUNNING and name not in stop
         if needs_stopped and runs and name not in start:
             stop.append(name)
@@ -259,27 +266,28 @@ def _add_to_chains(
 def _check_chains(
     draft: _Draft, loaded: Sequence[Candidate], start: list[str], stop: list[str]
 ) -> None:
-    """Leave out controllers that would run without their following controllers.
+    """Leave out controllers that would run without those that they need.
 
     Raises:
         SwitchRefusedError: There is such a controller, and the plan is strict.
     """
     by_name = {one.info.name: one for one in loaded}
     # From the hardware upwards: leaving one out may leave out those above it.
-    for one in reversed(loaded):
+    for one in [*reversed(loaded)] * len(loaded):
         name = one.info.name
         missing = [
-            each
-            for each in one.following
-            if not _runs_after(by_name[each], start, stop)
+            each for each in one.needed if not _runs_after(by_name[each], start, stop)
         ]
         if not missing or not _runs_after(one, start, stop):
             continue
         if name in start:
             add = _followers(by_name, one, start, stop)
+            does = "it commands"
+            if not set(missing) & set(one.following):
+                does = "it reads states of"
             draft.object_to(
                 name,
-                f"cannot start: it commands {_quoted(missing)}, which would not run",
+                f"cannot start: {does} {_quoted(missing)}, which would not run",
                 f"Add {_quoted(add)} to 'start'.",
                 add=add,
             )
@@ -287,13 +295,15 @@ def _check_chains(
     for one in loaded:
         name = one.info.name
         runs = one.state is ControllerState.RUNNING and name not in stop
-        missing = [each for each in one.following if each in stop]
+        missing = [each for each in one.needed if each in stop]
         if not runs or not missing:
             continue
         add = _preceding(loaded, missing, stop)
+        is_commanded = missing[0] in one.following
+        used = "it is commanded" if is_commanded else "its states are read"
         draft.object_to(
             missing[0],
-            f"cannot stop: it is commanded by {_quoted([name])}, which runs",
+            f"cannot stop: {used} by {_quoted([name])}, which runs",
             f"Add {_quoted(add)} to 'stop'.",
             add=add,
         )
@@ -308,7 +318,7 @@ def _followers(
 ) -> list[str]:
     """Return the controllers that `one` needs down its chain and that would not run."""
     found: dict[str, None] = {}
-    for name in one.following:
+    for name in one.needed:
         each = by_name[name]
         if not _runs_after(each, start, stop):
             found[name] = None
@@ -322,11 +332,12 @@ def _preceding(
     """Return the running controllers above some names, preceding ones first."""
     above = set(names)
     found: list[str] = []
-    for one in reversed(loaded):
-        if not above.isdisjoint(one.following):
-            above.add(one.info.name)
-            if one.state is ControllerState.RUNNING and one.info.name not in stop:
-                found.insert(0, one.info.name)
+    for one in [*reversed(loaded)] * len(loaded):
+        name = one.info.name
+        if name not in above and not above.isdisjoint(one.needed):
+            above.add(name)
+            if one.state is ControllerState.RUNNING and name not in stop:
+                found.insert(0, name)
     return found
 
 
@@ -334,7 +345,7 @@ def _keep_running(
     by_name: dict[str, Candidate], one: Candidate, stop: list[str]
 ) -> None:
     """Take all controllers down the chain of `one` out of `stop`."""
-    for name in one.following:
+    for name in one.needed:
         stop[:] = [each for each in stop if each != name]
         _keep_running(by_name, by_name[name], stop)
 

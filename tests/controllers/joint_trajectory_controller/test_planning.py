@@ -177,7 +177,7 @@ def test_a_trajectory_may_have_to_end_at_rest(start, make_goal):
     controller = start(allow_nonzero_velocity_at_trajectory_end=False)
     point, rest = [0.1, 0.1, 0.1], [0.0, 0.0, 0.0]
 
-    with pytest.raises(InvalidTrajectoryError, match="velocity of 0.01 of 'elbow'"):
+    with pytest.raises(InvalidTrajectoryError, match=r"velocity of 0\.01 of 'elbow'"):
         controller.goals.submit(make_goal((1.0, point, [0.0, 0.01, 0.0])))
     # Velocities on the way and rounding at the end are allowed.
     way = (1.0, point, [0.0, 0.01, 0.0])

@@ -338,6 +338,33 @@ def test_an_exported_state_is_read_in_the_same_cycle(bench):
     assert gauge.seen == pytest.approx(0.2)
 
 
+def test_who_reads_a_state_runs_with_the_controller_that_exports_it(bench):
+    bench.load_controller("gauge", "test/Gauge", state="spring/j1/length")
+
+    with pytest.raises(SwitchRefusedError, match="reads states of 'spring'") as refused:
+        bench.switch(start=["gauge"])
+    assert refused.value.details["add"] == ["spring"]
+    bench.switch(start=["gauge"], strictness=Strictness.AUTO)
+    assert running(bench) == ["spring", "gauge"]
+
+    with pytest.raises(SwitchRefusedError, match="are read by 'gauge'") as refused:
+        bench.switch(stop=["spring"])
+    assert refused.value.details["add"] == ["gauge"]
+    bench.manager.get_controller("spring").fails = True
+    bench.step()
+    assert running(bench) == []
+    assert "'spring', whose states it reads, does not run" in bench.fault("gauge")
+
+
+def test_a_reader_that_fails_leaves_the_controller_that_exports(bench):
+    bench.load_controller("gauge", "test/Gauge", state="spring/j1/length")
+    bench.switch(start=["gauge", "spring"])
+    bench.manager.get_controller("gauge").update = broken
+    bench.step()
+
+    assert running(bench) == ["spring"]
+
+
 def test_what_others_claim_cannot_be_unloaded(bench):
     load_chain(bench)
 
