@@ -24,6 +24,7 @@ _MANAGER = "controller_manager"
 _TYPE = re.compile(r"[A-Za-z_][\w.]*[/:]+[A-Za-z_]\w*")
 _CLASS = re.compile(r"[A-Za-z_]\w*[/:]+[A-Z]\w*")
 _SEPARATORS = re.compile(r"[./]")
+_FALLBACK = "fallback_controllers"
 Values = dict[str, Any]
 
 
@@ -61,6 +62,7 @@ def read_ros2(
     """
     nodes = [node for values in files for node in _nodes(values, (), name)]
     found: dict[tuple[str, ...], Values] = {}
+    fallbacks: list[tuple[tuple[str, ...], Values]] = []
     for path, params in nodes:
         known = params.get("type") or (types or {}).get(path[-1])
         own = {"": {"type": known}} if isinstance(known, str) else {}
@@ -73,8 +75,11 @@ def read_ros2(
             if isinstance(value, dict) and _is_type(value.get("type")):
                 place = (*space, key or path[-1])
                 found[place] = {**found.get(place, {}), "type": value["type"]}
+            # Managers have them, too, also of controllers that tell their types.
+            if is_manager and isinstance(value, dict) and _FALLBACK in value:
+                fallbacks.append(((*space, key), {_FALLBACK: value[_FALLBACK]}))
     for place, params in found.items():
-        for path, more in nodes:
+        for path, more in (*nodes, *fallbacks):
             if _fits(path, place):
                 _merge(params, more)
     last = [place[-1] for place in found]
@@ -201,7 +206,10 @@ def translate(params: Values, place: str) -> Values:
         ConfigError: No controller type of the station commands these interfaces.
     """
     change = _TRANSLATIONS.get(str(params["type"]))
-    return dict(params) if change is None else change(dict(params), place)
+    params = dict(params)
+    if _FALLBACK in params:
+        params["fallback"] = params.pop(_FALLBACK)
+    return params if change is None else change(params, place)
 
 
 _KINDS = {
@@ -288,9 +296,16 @@ def _forward(params: Values, place: str) -> Values:
 def _joint_states(params: Values, place: str) -> Values:  # noqa: ARG001 - as the others
     params["type"] = "joint_state_controller/JointStateController"
     params.setdefault("publish_rate", 50.0)
-    # In ROS 2 an empty list of joints stands for all joints.
-    if not params.get("joints"):
+    # In ROS 2 all joints are published unless joints and interfaces are both listed.
+    if not (params.get("joints") and params.get("interfaces")):
         params.pop("joints", None)
+    params.pop("interfaces", None)
+    # Extra joints are names there, and their values are 0.
+    extra = params.get("extra_joints")
+    if isinstance(extra, list):
+        params["extra_joints"] = [
+            {"name": each} if isinstance(each, str) else each for each in extra
+        ]
     return params
 
 

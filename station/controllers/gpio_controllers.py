@@ -60,6 +60,8 @@ class GpioCommandController(MultiInterfaceController):
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
         gpios = _GPIOS.read_str_list(params)
+        if len(set(gpios)) != len(gpios):
+            _GPIOS.refuse(params, gpios, "names of gpios, each once")
         states, commands = hw.get(GpioStateInterface), hw.get(GpioCommandInterface)
         commanded = _names(params, _COMMANDS, gpios)
         published = _names(params, _STATES, gpios)
@@ -141,7 +143,10 @@ def _names(
                 part.get("interfaces") or () if isinstance(part, dict) else [0]
             )
         ]
-        if gpio not in gpios or not all(isinstance(name, str) for name in names):
-            declared.refuse(params, value, "`interfaces` for each of the gpios")
+        known = gpio in gpios and all(isinstance(name, str) for name in names)
+        if not known or len(set(names)) != len(names):
+            declared.refuse(
+                params, value, "`interfaces` for each of the gpios, each once"
+            )
         found += [f"{gpio}/{name}" for name in names]
     return found

@@ -140,6 +140,43 @@ def test_a_controller_may_name_its_type_itself():
     assert found.controllers == {"arm": {"type": "a/B", "joint": "j1"}}
 
 
+def test_fallbacks_may_be_those_of_the_manager_or_of_the_controller():
+    found = read("""
+controller_manager:
+  ros__parameters:
+    arm: {type: a/B, fallback_controllers: [hold]}
+    hand.fallback_controllers: [rest]
+    base: {type: a/B}
+hand: {ros__parameters: {type: a/C}}
+base: {ros__parameters: {fallback_controllers: [brake, lamp]}}
+""")
+
+    assert found.controllers == {
+        "arm": {"type": "a/B", "fallback": ["hold"]},
+        "hand": {"type": "a/C", "fallback": ["rest"]},
+        "base": {"type": "a/B", "fallback": ["brake", "lamp"]},
+    }
+
+
+@pytest.mark.parametrize(
+    ("more", "joints"),
+    [
+        ("joints: [j1]", None),
+        ("joints: [j1], interfaces: [position]", ["j1"]),
+        ("interfaces: [position]", None),
+        ("joints: []", None),
+    ],
+)
+def test_all_joints_are_published_unless_joints_and_interfaces_are_listed(more, joints):
+    kind = "joint_state_broadcaster/JointStateBroadcaster"
+    text = f"s: {{ros__parameters: {{type: {kind}, extra_joints: [x, y], {more}}}}}"
+    found = read(text).controllers["s"]
+
+    assert found.get("joints") == joints
+    assert "interfaces" not in found
+    assert found["extra_joints"] == [{"name": "x"}, {"name": "y"}]
+
+
 @pytest.mark.parametrize(
     ("interfaces", "kind"),
     [

@@ -85,6 +85,15 @@ def test_an_asynchronous_controller_of_outputs_works_as_well(bench):
     ("parameters", "error", "words"),
     [
         ({"gpios": ["nothing"]}, ParameterError, "that the robot has"),
+        ({"gpios": ["lamp", "lamp"]}, ParameterError, "each once"),
+        (
+            {
+                "gpios": ["lamp"],
+                "state_interfaces": {"lamp": {"interfaces": ["is_on", "is_on"]}},
+            },
+            ParameterError,
+            "each once",
+        ),
         (
             {"gpios": ["lamp"], "command_interfaces": COMMANDS},
             ParameterError,
