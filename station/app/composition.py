@@ -172,12 +172,22 @@ def _load_controllers(
     station: Station, config: StationConfig, announce: Callable[[str], None]
 ) -> dict[str, StationError]:
     failed: dict[str, StationError] = {}
-    for name in config.controllers:
-        announce(f"Loading the controller '{name}'")
-        try:
-            station.load_controller(name, strict=name not in config.ros_controllers)
-        except StationError as error:
-            if name in config.start:
-                raise
-            failed[name] = error
+    waiting, rounds_left = [*config.controllers], len(config.controllers)
+    while waiting:
+        rounds_left -= 1
+        later: list[str] = []
+        for name in waiting:
+            announce(f"Loading the controller '{name}'")
+            try:
+                station.load_controller(name, strict=name not in config.ros_controllers)
+            except StationError as error:
+                # It may claim a reference of a controller that the file has below it.
+                owner = str(error.details.get("resource", "")).partition("/")[0]
+                if owner in waiting and owner != name and rounds_left > 0:
+                    later.append(name)
+                elif name in config.start:
+                    raise
+                else:
+                    failed[name] = error
+        waiting = later
     return failed

@@ -277,3 +277,32 @@ def test_controllers_wait_for_hardware_that_does_not_begin_active():
     assert start == ["states"]
     assert "'arm' is not started" in warning
     assert "'robot', which is inactive" in warning
+
+
+PID = (
+    "{{type: pid_controller/PidController, dof_names: [{0}], "
+    "reference_and_state_dof_names: [joint1], command_interface: position, "
+    "reference_and_state_interfaces: [position], gains: {{'{0}': {{}}}}}}"
+)
+
+
+def test_controllers_of_a_chain_are_loaded_in_any_order(tmp_path):
+    upper = "top: {type: " + GROUP + ", joints: [middle/joint1]}, "
+    middle = "middle: " + PID.format("last/joint1") + ", "
+    config = configure(tmp_path, upper + middle + "last: " + PID.format("joint1"))
+
+    composed = compose(config, ManualClock())
+
+    assert composed.not_loaded == {}
+    names = [each.name for each in composed.station.controllers()]
+    assert names == ["top", "middle", "last"]
+
+
+def test_a_circle_of_controllers_is_left_out_with_its_reason(tmp_path):
+    ring = "a: " + PID.format("b/joint1") + ", b: " + PID.format("a/joint1")
+    config = configure(tmp_path, ring)
+
+    composed = compose(config, ManualClock())
+
+    assert set(composed.not_loaded) == {"a", "b"}
+    assert "'b/joint1'" in composed.not_loaded["a"].message
