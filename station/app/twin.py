@@ -19,6 +19,7 @@ from station.app.composition import ROBOT_NAMESPACE, compose
 from station.config import StationConfig
 from station.config.models import RobotSection
 from station.core.clock import ManualClock
+from station.core.control.chains import depth_of
 from station.core.control.controller import ControllerState
 from station.core.control.switching import SwitchRequest
 from station.core.errors import RehearsalError, StationError
@@ -99,7 +100,9 @@ class Likeness:
             "start": [],
             "ros_controllers": [],
         }
-        listed = station.controllers()
+        # A controller is loaded after those that it commands, and listed before them.
+        depths = {o.info.name: depth_of(o) for o in station.manager.lifecycle.loaded}
+        listed = sorted(station.controllers(), key=lambda s: depths.get(s.name, 0))
         found = {one.name: station.parameters.get(one.name) for one in listed}
         latch, state = station.loop.stop_latch, real.arm.state
         now = station.latest().position

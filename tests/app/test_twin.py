@@ -199,3 +199,23 @@ def test_model_has_the_load_the_gains_and_the_controllers_of_now(real):
     assert twin.tuning.gains(TUNED).values[name] == 77.0
     assert [c.name for c in twin.controllers()] == [POSITION, EFFORTS, TUNED]
     assert twin.status().stop_reason == "by hand"
+
+
+def test_the_model_has_the_chains_of_the_station(real):
+    joint = "panda_joint1"
+    pid = {
+        "type": "pid_controller/PidController",
+        "dof_names": [joint],
+        "command_interface": "effort",
+        "reference_and_state_interfaces": ["position"],
+        "gains": {joint: {"p": 1.0}},
+    }
+    upper = {"type": "position_controllers/JointGroupPositionController"}
+    real.facade.load_controller("lower", params=pid)
+    real.facade.load_controller("upper", params={**upper, "joints": [f"lower/{joint}"]})
+
+    model = Likeness.of(real.config, real.facade).build()
+
+    listed = [one.name for one in model.controllers()]
+    assert listed == [one.name for one in real.facade.controllers()]
+    assert listed.index("upper") < listed.index("lower")
