@@ -464,7 +464,8 @@ class ControllerLifecycle:
         stood_for = self._stands_for.get(failed.info.name, ())
         again = next((one for one in start if one.info.name in stood_for), None)
         if len(wanted) < len(failed.fallback):
-            reason = "not all of it is loaded"
+            missing = [name for name in failed.fallback if name not in known]
+            reason = f"{', '.join(map(repr, missing))} not loaded"
         elif again is not None:
             reason = (
                 f"'{failed.info.name}' stands in for '{again.info.name}', which has "

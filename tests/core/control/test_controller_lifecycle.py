@@ -392,7 +392,7 @@ def test_an_unknown_fallback_is_said_and_does_no_harm(bench):
 
     bench.step()
 
-    assert "not all of it is loaded" in bench.fault("bad")
+    assert "no fallback: 'nobody' not loaded" in bench.fault("bad")
 
 
 def test_a_closed_gate_keeps_the_fallback_from_starting(bench):
