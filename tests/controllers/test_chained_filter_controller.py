@@ -79,6 +79,8 @@ def test_each_input_may_have_filters_of_its_own_and_filters_can_be_chained(bench
     bench.step(2)
     (exported,) = second.on_export_state_interfaces()
     assert exported.storage[0] == 3.0
+    (chain,) = [c for c in bench.manager.chains().controllers if c.name == "first"]
+    assert [each.users for each in chain.states] == [("second",), ()]
     with pytest.raises(Exception, match="claimed by second"):
         bench.manager.unload_controller("first")
 

@@ -169,8 +169,9 @@ def _chain_rows(chains: "ControllerChains") -> list[list[str]]:
     rows = []
     for place, one in enumerate(chains.controllers, 1):
         exports = [
-            f"{each.name} ({', '.join(each.users)})" if each.users else each.name
-            for each in (*one.references, *one.states)
+            f"{kind} {each.name}" + (f" ({', '.join(each.users)})" * bool(each.users))
+            for kind, values in (("reference", one.references), ("state", one.states))
+            for each in values
         ]
         rows.append([
             str(place),

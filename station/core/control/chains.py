@@ -192,7 +192,6 @@ def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
     for one in loaded:
         controller, name = one.controller, one.info.name
         users = [other for other in loaded if one in other.following]
-        readers = tuple(other.info.name for other in loaded if one in other.read)
         found.append(
             ChainedController(
                 name,
@@ -211,7 +210,17 @@ def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
                     )
                     for reference in one.references
                 ),
-                tuple(ExportedValue(f"{name}/{s.name}", readers) for s in one.states),
+                tuple(
+                    ExportedValue(
+                        f"{name}/{state.name}",
+                        tuple(
+                            other.info.name
+                            for other in loaded
+                            if f"{name}/{state.name}" in other.info.states
+                        ),
+                    )
+                    for state in one.states
+                ),
             )
         )
     return ControllerChains(tuple(found))

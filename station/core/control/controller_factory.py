@@ -207,7 +207,7 @@ class ControllerFactory:
         claims, references, states = exports.split_claims(claims)
         notes = _unknown_parameters(name, controller, params, reads, strict=strict)
         notes += _hindrances(controller)
-        info = ControllerInfo(name, controller_type, claims, references)
+        info = ControllerInfo(name, controller_type, claims, references, states)
         loaded_controller = LoadedController(
             controller,
             info,

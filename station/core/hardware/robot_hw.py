@@ -218,12 +218,14 @@ class ControllerInfo:
         claimed_resources: One entry per hardware interface it uses.
         references: Full names of the references of other controllers that it claims;
             the robot ignores them.
+        states: Full names of the exported states of other controllers that it reads.
     """
 
     name: str
     type: str
     claimed_resources: tuple[InterfaceResources, ...]
     references: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

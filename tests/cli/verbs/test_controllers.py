@@ -148,7 +148,7 @@ def test_chains_are_listed_in_the_order_of_updates(run):
 
     assert first.split() == ["1", "diff", "running", "-", "wheel", "-"]
     assert second.split()[:5] == ["2", "wheel", "running", "chained", "-"]
-    assert "wheel/joint/velocity (diff)" in second
+    assert "reference wheel/joint/velocity (diff)" in second
 
 
 def test_hardware_components_are_listed(run):
