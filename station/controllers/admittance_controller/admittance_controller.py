@@ -223,12 +223,12 @@ class AdmittanceController(JointReferenceController):
         q_ref, dq_ref = self.references
         joints.read()
         # As in the original, what a sensor does not tell is what was commanded, or 0.
-        told = all(isfinite(each) for each in joints.positions)
+        is_known = all(isfinite(each) for each in joints.positions)
         wrench = self._sensor.get_force() + self._sensor.get_torque()
         if self._sensor.is_reaction:
             wrench = [-value for value in wrench]
         put(rule.wrench, wrench if all(map(isfinite, wrench)) else [0.0] * 6)
-        rule.compute_motion(joints.positions if told else self._last, q_ref, period)
+        rule.compute_motion(joints.positions if is_known else self._last, q_ref, period)
         put(self._last, [a + b for a, b in zip(q_ref, rule.positions, strict=True)])
         references, way = q_ref, rule.positions
         if not self._commands_positions:
