@@ -1,7 +1,7 @@
 """One client of an arm: its requests, its motion, and the answers; no sockets.
 
     CONNECT, once and first          -> SUCCESS, or INCOMPATIBLE_LIBRARY_VERSION
-    MOVE                             -> MOTION_STARTED now, the outcome at its end
+    MOVE                             -> MOTION_STARTED, the outcome at its end
     MOVE, asynchronous               -> the same; the arm plans, see below
     the client finishes the motion   -> SUCCESS
     STOP_MOVE                        -> PREEMPTED to the motion, SUCCESS to the stop
@@ -12,6 +12,9 @@
 
 A state shows the end of a motion before the answer goes out: clients report the errors
 of the last state that they have read.
+
+A motion starts when the arm has come to rest from the one before; the state is idle
+meanwhile. Otherwise its first command, made from an older state, would be a jump.
 
 An asynchronous motion has one command per target instead of one per cycle, and cycles
 without a command are not losses: the arm plans its way to the newest target.
@@ -239,6 +242,7 @@ class RobotSession(ClientSession[Command]):
         super().__init__(features.protocols)
         self._features, self._is_free = features, is_free
         self._motion: Request[Command] | None = None
+        self._waiting: Request[Command] | None = None  # until the arm is at rest
         self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
         self._recovery: Request[Command] | None = None
         self._command: Mapping[str, Any] | None = None
@@ -310,6 +314,8 @@ class RobotSession(ClientSession[Command]):
         elif self._is_finishing:
             self._arm.stop_motion()
             answers = self._end_motion(Status.SUCCESS)
+        if self._waiting is not None and not any(self._arm.state.dq_d):
+            answers += self._serve(self._waiting)
         return answers + self._advance_recovery()
 
     def state(self, message_id: int) -> bytearray:
@@ -362,7 +368,7 @@ class RobotSession(ClientSession[Command]):
         self._writer = StateWriter(self._arm, protocol)
 
     def _start_motion(self, request: Request[Command]) -> bytes:
-        values = request.values
+        values, self._waiting = request.values, None
         if problem := self._problem_of(values):
             raise InvalidCommandError(problem)
         controller = MoveController(values["controller_mode"])
@@ -374,6 +380,10 @@ class RobotSession(ClientSession[Command]):
                 "The controllers of the station command the arm, or the station is "
                 "stopped."
             )
+        state = self._arm.state
+        if state.robot_mode is RobotMode.IDLE and any(state.dq_d):
+            self._waiting = request
+            return b""
         self._arm.start_motion(
             ControllerMode[controller.name], MotionGeneratorMode[generator.name]
         )
@@ -406,8 +416,9 @@ class RobotSession(ClientSession[Command]):
         return None
 
     def _stop_motion(self, request: Request[Command]) -> bytes:
-        answers = b""
-        mode = self._arm.state.robot_mode
+        answers, mode = b"", self._arm.state.robot_mode
+        if self._waiting is not None:
+            answers, self._waiting = self._say(self._waiting, Status.PREEMPTED), None
         if self._motion is not None and mode is RobotMode.MOVE:
             self._arm.stop_motion()
             answers = self._end_motion(Status.PREEMPTED)

@@ -126,6 +126,51 @@ def test_stop_preempts_the_motion_and_then_succeeds(client):
     assert client.ask(Command.STOP_MOVE) == [Status.SUCCESS]
 
 
+def slow_down(arm, monkeypatch):
+    """Let the arm read a desired velocity until the returned list is emptied."""
+    speeds, read = [0.4], arm.read_once
+
+    def read_once():
+        state = read()
+        state.dq_d = [*speeds, *[0.0] * 6] if speeds else [0.0] * 7
+        return state
+
+    monkeypatch.setattr(arm, "read_once", read_once)
+    return speeds
+
+
+@pytest.mark.parametrize("end", ["stop", "finish"])
+def test_motion_waits_until_the_arm_has_slowed_down(client, arm, monkeypatch, end):
+    begin(client)
+    speeds = slow_down(arm, monkeypatch)
+    client.cycle()
+    if end == "stop":
+        assert client.ask(Command.STOP_MOVE) == [Status.PREEMPTED, Status.SUCCESS]
+    else:
+        client.send(q_c=q_of(arm), motion_generation_finished=True)
+        assert client.cycle()[1] == [Status.SUCCESS]
+    assert client.move() == []
+    for _ in range(3):
+        state, told = client.cycle()
+        assert (told, state["motion_generator_mode"]) == ([], NO_GENERATOR)
+    speeds.clear()
+    state, told = client.cycle()
+    assert told == [Status.MOTION_STARTED]
+    assert state["robot_mode"] == RobotMode.MOVE.value
+
+
+def test_stop_preempts_a_motion_that_waits(client, arm, monkeypatch):
+    begin(client)
+    speeds = slow_down(arm, monkeypatch)
+    client.cycle()
+    client.ask(Command.STOP_MOVE)
+    assert client.move() == []
+    assert client.ask(Command.STOP_MOVE) == [Status.PREEMPTED, Status.SUCCESS]
+    speeds.clear()
+    state, told = client.cycle()
+    assert (told, state["robot_mode"]) == ([], RobotMode.IDLE.value)
+
+
 def test_second_motion_is_rejected_and_the_first_goes_on(client, arm):
     begin(client)
     assert client.move() == [Status.COMMAND_NOT_POSSIBLE_REJECTED]
