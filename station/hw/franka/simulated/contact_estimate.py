@@ -122,7 +122,18 @@ class ContactEstimate:
         if self._step.is_quiet:
             put(hat, _ZEROS)
         self._update_wrench()
+        if self._state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+            self._accept()
         return self._update_levels()
+
+    def _accept(self) -> None:
+        """Count what acts now as known.
+
+        While the arm recovers it only brakes and comes to rest. Otherwise a hand that
+        bounces off a table and falls back on it would undo every recovery.
+        """
+        self._known = [*map(max, self._known, self._collisions())]
+        self._lasts = self._lasts or any(self._known)
 
     def recover(self) -> None:
         """Forget the collisions; a lasting contact is not counted as a new one."""
@@ -339,12 +350,9 @@ class MomentumObserver(ContactEstimate):
         if self._step.is_quiet:
             return []
         if self._state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
-            # The arm only brakes and comes to rest. Otherwise a hand that bounces off a
-            # table and falls back on it would undo every recovery.
             self._settled_at = self._state.time + self._settling_time
         if self._state.time < self._settled_at:
-            self._known = [*map(max, self._known, self._collisions())]
-            self._lasts = self._lasts or any(self._known)
+            self._accept()
         found = self._update_levels()
         state = self._state
         self._step.is_quiet = not (

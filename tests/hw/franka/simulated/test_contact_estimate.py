@@ -151,6 +151,21 @@ def test_recovery_in_contact_is_no_new_collision(arm: SimulatedArm) -> None:
     assert arm.state.robot_mode is RobotMode.REFLEX
 
 
+def test_second_blow_while_the_arm_recovers_does_not_undo_the_recovery(
+    arm: SimulatedArm,
+) -> None:
+    push = arm.simulation().apply_force
+    push("panda_hand", [0.0, 0.0, -40.0], NONE, 0.05)
+    run(arm, 30)
+    assert arm.state.robot_mode is RobotMode.REFLEX
+    push("panda_hand", [200.0, 0.0, 0.0], NONE, 0.02)
+    run(arm, 2)
+    arm.automatic_error_recovery()
+    assert arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY
+    run(arm, 1_000)
+    assert arm.state.robot_mode is RobotMode.IDLE
+
+
 def test_wrench_is_zero_in_a_singular_pose(
     simulation: FrankaWorld, arm: SimulatedArm
 ) -> None:
