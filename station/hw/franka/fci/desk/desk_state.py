@@ -11,12 +11,12 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import count
 from typing import Any, Protocol
 
 from station.core.description.urdf import Pose
 from station.core.errors import StationError
+from station.core.franka.franka_robot_state import RobotMode
 from station.core.numerics.poses import quaternion_of
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.rigid_body import RigidBody
@@ -188,10 +188,18 @@ class Desk:
             )
 
     def set_brakes(self, *, closed: bool) -> Future[None]:
-        """Close or open the brakes; an arm with closed brakes is in the mode Other."""
+        """Close or open the brakes; opening them ends a reflex, also if they were open.
+
+        An arm with closed brakes is in the mode Other.
+        """
         self.are_brakes_closed = closed
-        set_brakes = self.arm.simulation().set_brakes
-        return self.server.change(partial(set_brakes, closed=closed))
+
+        def change() -> None:
+            self.arm.simulation().set_brakes(closed=closed)
+            if self.arm.state.robot_mode is RobotMode.REFLEX:
+                self.arm.automatic_error_recovery()
+
+        return self.server.change(change)
 
     def set_fci(self, *, active: bool) -> Future[None]:
         """Let programs of libfranka connect, or send them away and refuse them.

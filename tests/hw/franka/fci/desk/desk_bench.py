@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import httpx
 
+from station.core.franka import RobotMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.rigid_body import RigidBody
 from station.hw.franka.fci.desk.desk_state import Desk
@@ -21,6 +22,7 @@ class NotingArm:
         F_x_Cee=HAND.center_of_mass,
         I_ee=HAND.inertia,
         F_T_NE=IDENTITY,
+        robot_mode=RobotMode.IDLE,
     )
 
     def __init__(self):

@@ -142,6 +142,20 @@ def test_closed_brakes_refuse_motions_and_end_them(served):
     assert served.arm.state.robot_mode is RobotMode.OTHER
 
 
+@pytest.mark.parametrize("toggle", [False, True])
+def test_opening_the_brakes_ends_a_reflex(served, toggle):
+    served.desk.set_brakes(closed=False)
+    served.run()
+    served.arm.simulation().apply_force("panda_hand", [0, 0, -90.0], [0, 0, 0], 0.05)
+    served.run(60)
+    assert served.arm.state.robot_mode is RobotMode.REFLEX
+    if toggle:
+        served.desk.set_brakes(closed=True)
+    served.desk.set_brakes(closed=False)
+    served.run(600)
+    assert served.arm.state.robot_mode is RobotMode.IDLE
+
+
 def test_end_effector_shows_in_the_state_and_the_arm_carries_what_it_has(served):
     arm, before = served.arm, [*served.arm.state.q]
     frame = (*IDENTITY[:14], 0.2, 1.0)
