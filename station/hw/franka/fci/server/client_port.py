@@ -1,7 +1,8 @@
 """One TCP port that serves one client at a time, with the client's UDP datagrams.
 
-While a client is connected no socket listens at the port, so that a second one is
-refused at once: libfranka would otherwise wait for an answer for ever.
+A second client is hung up on at once: libfranka would otherwise wait for an answer for
+ever. The port listens all the time, so that a client can connect as soon as the one
+before has closed its connection, before this process has seen that.
 """
 
 import contextlib
@@ -66,7 +67,6 @@ class ClientPort(Generic[_Session]):
         self._connection: socket.socket | None = None
         self._peer = ""
         self._unsent = bytearray()
-        self._is_open = True
         self.session: _Session | None = None
         self._listener: socket.socket | None = self._listen()
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -75,21 +75,20 @@ class ClientPort(Generic[_Session]):
 
     def readers(self) -> list[socket.socket]:
         """Return the sockets from which something may arrive."""
-        if self._connection is None:
-            return [] if self._listener is None else [self._listener]
-        return [self._connection, self._udp]
+        own = [] if self._connection is None else [self._connection, self._udp]
+        return own if self._listener is None else [self._listener, *own]
 
     def writers(self) -> list[socket.socket]:
         """Return the sockets that still have something to send."""
         return [self._connection] if self._connection and self._unsent else []
 
     def handle(self) -> None:
-        """Read TCP, or accept a new client; send waiting bytes."""
-        if self._listener is not None:
-            self._accept(self._listener)
-        elif self._connection is not None and self.session is not None:
+        """Read TCP, send waiting bytes, and accept a new client."""
+        if self._connection is not None and self.session is not None:
             self._receive(self._connection, self.session)
             self.send(b"")
+        if self._listener is not None:
+            self._accept(self._listener)
 
     def datagrams(self) -> list[bytes]:
         """Return the datagrams that the client has sent since the last call."""
@@ -129,13 +128,12 @@ class ClientPort(Generic[_Session]):
 
     def set_open(self, *, is_open: bool) -> None:
         """Listen, or send the client away and refuse connections."""
-        self._is_open = is_open
         if not is_open and self._connection is not None:
             self._drop("the port was closed")
         if not is_open and self._listener is not None:
             self._listener.close()
             self._listener = None
-        elif is_open and self._listener is None and self._connection is None:
+        elif is_open and self._listener is None:
             self._listener = self._listen()
 
     def close(self) -> None:
@@ -158,11 +156,14 @@ class ClientPort(Generic[_Session]):
 
     def _accept(self, listener: socket.socket) -> None:
         try:
-            self._connection, address = listener.accept()
+            connection, address = listener.accept()
         except BlockingIOError:
             return
-        listener.close()
-        self._listener = None
+        if self._connection is not None:
+            connection.close()
+            _logger.info("%s: %s:%d must wait its turn", self._what, *address[:2])
+            return
+        self._connection = connection
         self._connection.settimeout(0.0)
         self._connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._peer = address[0]
@@ -189,13 +190,8 @@ class ClientPort(Generic[_Session]):
             self._turn_away(error)
 
     def _turn_away(self, error: FciProtocolError) -> None:
-        """Send the last answer to the client, and end the connection.
-
-        A client that learns of another version may connect with that version at once,
-        so the port listens before the answer goes out.
-        """
+        """Send the last answer to the client, and end the connection."""
         _logger.warning("%s: %s", self._what, error.message)
-        self._listener = self._listen()
         self.send(error.answers)
         if self._connection is not None:
             self._hang_up()
@@ -203,8 +199,6 @@ class ClientPort(Generic[_Session]):
     def _drop(self, reason: str) -> None:
         _logger.info("%s: %s", self._what, reason)
         self._hang_up()
-        if self._listener is None and self._is_open:
-            self._listener = self._listen()
 
     def _hang_up(self) -> None:
         if self.session is not None:

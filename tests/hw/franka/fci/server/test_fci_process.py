@@ -1,7 +1,6 @@
 """The process that moves bytes between clients and a station; here it is a thread."""
 
 import multiprocessing
-import os
 import socket
 import threading
 
@@ -66,16 +65,6 @@ class Process:
         self._thread.join(PATIENCE)
         assert not self._thread.is_alive()
         self._pipe.close()
-
-
-def connect_again():
-    """Connect after a client has left: the process listens again a moment later."""
-    for _ in range(100_000):
-        try:
-            return socket.create_connection((HOST, PANDA.port), 5.0)
-        except ConnectionRefusedError:
-            os.sched_yield()
-    raise AssertionError("the process does not listen again")
 
 
 @pytest.fixture
@@ -188,7 +177,7 @@ def test_client_that_the_station_refuses_is_sent_away(process):
         process.expect(LEAVE)
         assert tcp.recv(100) == b"last words"
         assert tcp.recv(100) == b""
-    with connect_again():
+    with socket.create_connection((HOST, PANDA.port), 5.0):
         process.expect(OPEN)
     process.expect(LEAVE)
 
@@ -207,10 +196,10 @@ def test_client_of_a_station_whose_loop_has_died_is_sent_away_and_the_next_is_no
         assert process.receive()[0] == OPEN
         process.station.send((b"", None, "The loop has died."))
         assert tcp.recv(1) == b""
-    with connect_again():
+    with socket.create_connection((HOST, PANDA.port), 5.0):
         process.expect(OPEN)
     assert process.receive()[0] == LEAVE
     process.station.send((b"", None, "The loop has died."))
-    with connect_again():
+    with socket.create_connection((HOST, PANDA.port), 5.0):
         process.expect(OPEN)
     process.expect(LEAVE)
