@@ -3,7 +3,7 @@ from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.simulated.violations cimport Violations
 from station.memory.functions cimport square_root
 
-cdef double _ROUNDING
+cdef double _ROUNDING, _UNSEEN
 
 cdef class MotionCheck:
     cdef readonly Py_ssize_t size

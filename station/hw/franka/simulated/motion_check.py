@@ -28,6 +28,11 @@ START_POSITION_TOLERANCE = 0.01
 """Largest distance of a first joint position from q_d [rad]; not published."""
 # 1 + the relative rounding error of a third difference over 1 ms of some rad.
 _ROUNDING = 1.0 + 1e-4
+# Half a step of single precision from 4 to 8 rad, and from 64 to 128 Nm. A client of
+# version 10 gets the state in single precision: where its rate limiter stays at a
+# limit, its command is that far from the one that continues the arm's motion.
+_UNSEEN = 2.0**-22
+_UNSEEN_TORQUE = 2.0**-18
 # Rounding error allowed for a command at a position limit [rad].
 _AT_LIMIT = 1e-6
 # Rounding error allowed for a velocity, a difference over 1 ms of positions [rad/s].
@@ -62,13 +67,13 @@ class MotionCheck:
         room = _AT_VELOCITY_LIMIT
         self.slowest = own([-value - room for value in limits.velocity])
         self.fastest = own([value + room for value in limits.velocity])
-        self.acceleration = own([value * _ROUNDING for value in limits.acceleration])
-        self.jerk = own([value * _ROUNDING for value in limits.jerk])
+        rate, jerk = _UNSEEN / period**2, _UNSEEN / period**3
+        self.acceleration = own([a * _ROUNDING + rate for a in limits.acceleration])
+        self.jerk = own([value * _ROUNDING + jerk for value in limits.jerk])
         self.translation = own(limits.translation.bounds())
         self.rotation = own(limits.rotation.bounds())
         self.elbow = own(limits.elbow.bounds())
-        # With room for the rounding of a difference.
-        self.torque_step = limits.torque_rate * period * (1.0 + 1e-9)
+        self.torque_step = limits.torque_rate * period + _UNSEEN_TORQUE
         self.period = period
         self.reached = own_zeros(memory.size)
         self.violations = Violations()
@@ -247,11 +252,11 @@ class MotionCheck:
             jerk: Jerk [m/s^3 or rad/s^3].
             bounds: Limits of velocity, acceleration and jerk.
         """
-        violations = self.violations
+        violations, room = self.violations, _UNSEEN / self.period / self.period
         if abs(velocity) > bounds[0] * _ROUNDING:
             violations.add(TRANSLATION_VELOCITY + first, 0, velocity, bounds[0])
-        if abs(acceleration) > bounds[1] * _ROUNDING:
+        if abs(acceleration) > bounds[1] * _ROUNDING + room:
             code = TRANSLATION_ACCELERATION + first
             violations.add(code, 0, acceleration, bounds[1])
-        if abs(jerk) > bounds[2] * _ROUNDING:
+        if abs(jerk) > bounds[2] * _ROUNDING + room / self.period:
             violations.add(TRANSLATION_JERK + first, 0, jerk, bounds[2])

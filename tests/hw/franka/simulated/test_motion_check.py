@@ -1,5 +1,7 @@
 """Conditions of motions, each at its bound."""
 
+import struct
+
 import pytest
 from hypothesis import given, strategies as st
 
@@ -86,6 +88,43 @@ def test_errors_of_positions_tell_where_they_come_from_in_the_order_of_their_kin
     assert arm.check.check_positions(SOLVED_POSITION) == 7
     names = {error.name for error in arm.errors()}
     assert all(name.startswith("cartesian_motion_generator_joint") for name in names)
+
+
+def seen(values):
+    """Return numbers as a client of version 10 gets them, in single precision."""
+    return struct.unpack("7f", struct.pack("7f", *values))
+
+
+@pytest.mark.parametrize("limits", [FR3_LIMITS, PANDA_LIMITS])
+def test_limiter_of_libfranka_may_stay_at_its_limits(limits):
+    arm = Arm(limits)
+    memory = arm.memory
+    put(memory.q_d, [0.1, -0.8, 0.0, -2.3, 0.0, 3.6, 0.8])
+    for cycle in range(4_000):
+        q, dq, ddq = map(seen, (memory.q_d, memory.dq_d, memory.ddq_d))
+        turn = 1.0 if (cycle + 50) % 200 < 100 else -1.0
+        for i in range(7):
+            # Source: libfranka@0.21.2 include/franka/rate_limiting.h, kLimitEps.
+            jerk, most = limits.jerk[i] - 1e-3, limits.acceleration[i] - 1e-3
+            rate = (
+                ddq[i] + max(-jerk, min((turn * most - ddq[i]) / PERIOD, jerk)) * PERIOD
+            )
+            memory.target[i] = q[i] + (dq[i] + rate * PERIOD) * PERIOD
+        assert arm.check.check_positions(JOINT_POSITION) == 0, arm.errors()
+        last = [*memory.dq_d]
+        put(memory.dq_d, memory.target_dq)
+        rates = [(a - b) / PERIOD for a, b in zip(memory.dq_d, last, strict=True)]
+        put(memory.ddq_d, rates)
+        put(memory.q_d, memory.target)
+
+
+@pytest.mark.parametrize("torque", [33.4, 80.3])
+def test_torque_that_rises_as_fast_as_a_client_sees_is_no_step(torque):
+    arm = Arm()
+    put(arm.memory.tau_J_d, [torque] * 7)
+    put(arm.memory.torques, [1.0 + value for value in seen([torque] * 7)])
+    assert seen([torque] * 7)[0] > torque
+    assert arm.check.check_torques() == 0
 
 
 def test_first_torque_may_continue_the_acting_or_the_sent_torque():
