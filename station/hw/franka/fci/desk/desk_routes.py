@@ -115,7 +115,7 @@ def _shown(desk: Desk) -> dict[str, object]:
     return {
         "/api/system": {
             "status": "Started",
-            "operatingMode": desk.mode,
+            "operatingMode": {"status": desk.mode},
             "controlSerialNumber": "simulated",
             "cloud": {"status": "Disconnected"},
         },

@@ -44,7 +44,7 @@ def test_unlocking_of_the_present_interface(desk, client):
     assert answer.status_code == 204
     assert client.get("/api/system/control-token").json() == {}
     assert client.get("/api/arm").json() == {"status": "Connected", "armType": "FR3"}
-    assert client.get("/api/system").json()["operatingMode"] == "Execution"
+    assert client.get("/api/system").json()["operatingMode"] == {"status": "Execution"}
 
 
 def test_unlocking_of_the_old_interface(desk, old):
