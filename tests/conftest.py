@@ -90,8 +90,8 @@ def pytest_collection_finish() -> None:
 
 
 def _folder(path: Path) -> str:
-    """Return which folder of the tests has a file."""
-    return path.relative_to(TESTS).parts[0]
+    """Return which folder of the tests has a file; empty if it is elsewhere."""
+    return path.relative_to(TESTS).parts[0] if path.is_relative_to(TESTS) else ""
 
 
 def _turn(item: pytest.Item) -> int:
