@@ -347,7 +347,7 @@ class Dialog:
         outcome = Outcome(answer.words)
         if outcome.started != STARTED:
             return outcome
-        self._await_modes(1 + motion.generator, motion.controller)
+        outcome.ended = self._await_begin(answer.command_id, motion)
         self._follow(answer.command_id, motion, cycles, outcome)
         if outcome.ended not in {SUCCESS, None}:
             self.wait_until(lambda state: any(state["reflex_reason"]), 0.1)
@@ -356,6 +356,28 @@ class Dialog:
             self._await_modes(NO_GENERATOR, NO_CONTROLLER)
         outcome.last = self.state
         return outcome
+
+    def _await_begin(self, number: int, motion: Motion) -> str | None:
+        """Wait until the states show a motion; return its end if it ended before.
+
+        Args:
+            number: Number of the request.
+            motion: The motion.
+
+        Raises:
+            FciSilenceError: The states show neither the motion nor an error.
+        """
+        wanted = 1 + motion.generator, motion.controller
+        reflex = RobotMode.REFLEX.value
+        self.wait_until(
+            lambda one: _modes(one) == wanted or one["robot_mode"] == reflex, WAIT
+        )
+        answer = None
+        if self.state["robot_mode"] == reflex:
+            answer = self.client.take_answer(number, WAIT)
+        if answer is None:
+            self._await_modes(*wanted)
+        return None if answer is None else answer.words
 
     def _await_modes(self, *wanted: int) -> None:
         """Wait until the states show a motion generator and a controller.

@@ -57,6 +57,29 @@ def test_simulated_arm_passes(protocol, tmp_path, monkeypatch, capsys):
     assert all(row["expected"] for row in rows.values() if row["result"] == "passed")
 
 
+def test_reflex_before_a_state_shows_the_motion_is_the_end_of_the_motion(
+    tmp_path, monkeypatch, capsys
+):
+    # An ideal arm feels in its first cycle that a load is not there.
+    robot = {
+        "arm": "panda",
+        "arm_id": "panda",
+        "robot_description": "example-robot-data:panda",
+        "realism": "ideal",
+    }
+    root = Parameters(ParameterTree({"robot": robot}))
+    arm = simulate_one(read_parameters(root.namespace("robot")), root).arms["panda"]
+    _, rows, _ = run_checks(
+        arm,
+        tmp_path,
+        monkeypatch,
+        features=ClientFeatures(),
+        arguments=["--fci-move", "-k", "load_that_is_not_there"],
+    )
+    check = "load that is not there ends in a reflex"
+    assert rows[check]["result"] == "passed", capsys.readouterr().out
+
+
 def test_the_load_of_a_check_goes_even_if_the_endpoint_falls_silent(
     tmp_path, monkeypatch
 ):
