@@ -1,8 +1,7 @@
 """One TCP port that serves one client at a time, with the client's UDP datagrams.
 
-A second client is hung up on at once: libfranka would otherwise wait for an answer for
-ever. The port listens all the time, so that a client can connect as soon as the one
-before has closed its connection, before this process has seen that.
+The port listens all the time: a client can connect as soon as the one before has closed
+its connection. A second client is hung up on: libfranka would wait for ever.
 """
 
 import contextlib
@@ -193,8 +192,7 @@ class ClientPort(Generic[_Session]):
         """Send the last answer to the client, and end the connection."""
         _logger.warning("%s: %s", self._what, error.message)
         self.send(error.answers)
-        if self._connection is not None:
-            self._hang_up()
+        self._hang_up()
 
     def _drop(self, reason: str) -> None:
         _logger.info("%s: %s", self._what, reason)

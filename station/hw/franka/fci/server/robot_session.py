@@ -1,7 +1,7 @@
 """One client of an arm: its requests, its motion, and the answers; no sockets.
 
     CONNECT, once and first          -> SUCCESS, or INCOMPATIBLE_LIBRARY_VERSION
-    MOVE                             -> MOTION_STARTED, the outcome at its end
+    MOVE                             -> MOTION_STARTED at rest, the outcome at its end
     MOVE, asynchronous               -> the same; the arm plans, see below
     the client finishes the motion   -> SUCCESS
     STOP_MOVE                        -> PREEMPTED to the motion, SUCCESS to the stop
@@ -12,9 +12,6 @@
 
 A state shows the end of a motion before the answer goes out: clients report the errors
 of the last state that they have read.
-
-A motion starts when the arm has come to rest from the one before; the state is idle
-meanwhile. Otherwise its first command, made from an older state, would be a jump.
 
 An asynchronous motion has one command per target instead of one per cycle, and cycles
 without a command are not losses: the arm plans its way to the newest target.
@@ -314,7 +311,7 @@ class RobotSession(ClientSession[Command]):
         elif self._is_finishing:
             self._arm.stop_motion()
             answers = self._end_motion(Status.SUCCESS)
-        if self._waiting is not None and not any(self._arm.state.dq_d):
+        if self._waiting is not None:
             answers += self._serve(self._waiting)
         return answers + self._advance_recovery()
 
@@ -380,8 +377,8 @@ class RobotSession(ClientSession[Command]):
                 "The controllers of the station command the arm, or the station is "
                 "stopped."
             )
-        state = self._arm.state
-        if state.robot_mode is RobotMode.IDLE and any(state.dq_d):
+        # A command made from a state of an arm that still slows down would be a jump.
+        if (state := self._arm.state).robot_mode is RobotMode.IDLE and any(state.dq_d):
             self._waiting = request
             return b""
         self._arm.start_motion(
@@ -438,10 +435,9 @@ class RobotSession(ClientSession[Command]):
         return self._say(request, Status.SUCCESS, wall)
 
     def _recover(self, request: Request[Command]) -> bytes:
-        arm = self._arm
-        if arm.state.robot_mode is RobotMode.MOVE or self._recovery is not None:
+        if self._arm.state.robot_mode is RobotMode.MOVE or self._recovery is not None:
             return self._say(request, Status.COMMAND_NOT_POSSIBLE_REJECTED)
-        arm.automatic_error_recovery()
+        self._arm.automatic_error_recovery()
         self._recovery = request
         return self._advance_recovery()
 

@@ -159,6 +159,16 @@ def test_motion_waits_until_the_arm_has_slowed_down(client, arm, monkeypatch, en
     assert state["robot_mode"] == RobotMode.MOVE.value
 
 
+def test_error_refuses_a_motion_that_waits(client, arm, monkeypatch):
+    begin(client)
+    slow_down(arm, monkeypatch)
+    client.cycle()
+    client.ask(Command.STOP_MOVE)
+    assert client.move() == []
+    arm.fail("cartesian_reflex")
+    assert client.cycle()[1] == [Status.COMMAND_NOT_POSSIBLE_REJECTED]
+
+
 def test_stop_preempts_a_motion_that_waits(client, arm, monkeypatch):
     begin(client)
     speeds = slow_down(arm, monkeypatch)
