@@ -17,6 +17,7 @@ src/network.h, Network."""
 SLICE = 0.005
 """Longest wait for a state [s]: other work of the control thread waits no longer."""
 _CHUNK = 65_536
+_OTHERS = "End other programs that use the arm or its hand."
 _TIMEVAL = struct.Struct("@ll")
 
 
@@ -99,7 +100,7 @@ class FciNetwork:
         except OSError as error:
             raise FciNetworkError(f"libfranka: TCP receive: {error}") from error
         if not data:
-            raise FciNetworkError("libfranka: server closed connection")
+            raise FciNetworkError("libfranka: server closed connection", remedy=_OTHERS)
         return data
 
     def send_datagram(self, data: bytearray) -> None:

@@ -80,5 +80,6 @@ def test_closed_connection_is_told(joined):
     robot.sendall(b"answer")
     assert network.receive(1.0) == b"answer"
     robot.close()
-    with pytest.raises(FciNetworkError, match="server closed connection"):
+    with pytest.raises(FciNetworkError, match="server closed connection") as caught:
         network.receive(1.0)
+    assert "End other programs" in caught.value.remedy
