@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
 
+from station.core.control.controller import ControllerBase
 from station.core.errors import (
     CertificateNotFoundError,
     CertificateVoidError,
@@ -146,7 +147,7 @@ class Tube(CycleTap[None]):
     """Stops the station when joints leave the rehearsed motion.
 
     It stops watching when the motion ends, the epoch changes, or the controller gets
-    another command.
+    another command. A set-point that has no end is watched while it is in force.
 
     Args:
         station: The station.
@@ -154,6 +155,7 @@ class Tube(CycleTap[None]):
         joints: Indices of the joints to watch.
         width: How far each joint may be from the motion [rad or m].
         controller: The controller that is commanded; empty for none.
+        follower: The controller if the command is a set-point.
 
     Attributes:
         is_over: Whether it has stopped watching.
@@ -166,6 +168,7 @@ class Tube(CycleTap[None]):
         joints: Sequence[int],
         width: float,
         controller: str,
+        follower: ControllerBase | None,
     ) -> None:
         super().__init__(station.loop, lambda: None)
         self.is_over = False
@@ -175,6 +178,8 @@ class Tube(CycleTap[None]):
         self._joints = tuple(joints)
         self._width = width
         self._controller = controller
+        self._follower = follower
+        self._set_point: list[float] | None = None
         self._ticket: CommandTicket | None = None
         self._commands: int | None = None
         self._epoch = station.epoch
@@ -192,6 +197,14 @@ class Tube(CycleTap[None]):
     def follow(self) -> None:
         """Note that the command was given: a further command ends the tube."""
         self._commands = self._station.inputs.commands.get(self._controller)
+        self._set_point = self._set_point_in_force()
+
+    def _set_point_in_force(self) -> list[float] | None:
+        """Return the set-point that the controller follows, or None."""
+        one = self._follower
+        if one is None or one.set_points is None or not one.is_running():
+            return None
+        return one.set_points.newest
 
     @override
     def sample_cycle(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
@@ -209,8 +222,12 @@ class Tube(CycleTap[None]):
         # by counting cycles.
         k = int((stamp - self._begin) / self._station.loop.period + 0.5)
         if k >= len(self._promised):
-            self.is_over = True
-            return
+            # A slow set-point seems to rest, and would go on for ever unwatched.
+            in_force = self._set_point_in_force()
+            if in_force is None or in_force is not self._set_point:
+                self.is_over = True
+                return
+            k = -1
         ring, promised, width = self._ring, self._promised[k], self._width
         at = (cycle % ring.capacity) * ring.width + HEAD
         for i in self._joints:
@@ -231,6 +248,7 @@ class _Issued:
     commands: list[str]
     tube: Tube
     deadline: float
+    is_bounded: bool
     lock: threading.Lock = field(default_factory=threading.Lock)
 
 
@@ -253,6 +271,8 @@ class Certificates:
         steps: Sequence[Mapping[str, Any]],
         conditions: Conditions,
         positions: "NDArray[np.float64]",
+        *,
+        is_bounded: bool = False,
     ) -> Certificate | None:
         """Return a certificate for commands that were rehearsed.
 
@@ -260,22 +280,34 @@ class Certificates:
             steps: The commands; all must come at the beginning.
             conditions: State of the station at the beginning of the rehearsal.
             positions: Positions of all joints after every cycle [rad or m], (k, n).
+            is_bounded: Whether the motion keeps to the envelope of agents.
 
         Returns:
-            The certificate; None if the last step is not a motion, or if a step comes
-            later than the beginning.
+            The certificate; None unless the steps are switches and one motion at the
+            end, all at the beginning, and for a path that begins again at its end.
         """
+        # Each command is given by itself: the first of two motions, alone, would be
+        # another motion than both together.
+        *before, last = steps or [{"kind": ""}]
         is_later = any(float(step["at"]) > 0.0 for step in steps)
-        if not steps or is_later or steps[-1]["kind"] not in _MOTIONS:
+        if is_later or last["kind"] not in _MOTIONS:
+            return None
+        if last.get("options", {}).get("loop") or any(
+            one["kind"] != "switch" for one in before
+        ):
             return None
         names = [str(step["name"]) for step in steps if "name" in step]
         controller = names[-1] if names else ""
+        follower = None
+        if last["kind"] == "set_point":
+            follower = self._station.manager.get_controller(controller)
         tube = Tube(
             self._station,
             positions,
             self._joints_of(names),
             self._tolerances.tube,
             controller,
+            follower,
         )
         name = secrets.token_urlsafe(12)
         now = self._station.loop.clock.now()
@@ -284,12 +316,18 @@ class Certificates:
         while len(self._issued) >= MOST:
             self._issued.pop(next(iter(self._issued)), None)
         self._issued[name] = _Issued(
-            conditions, [command_text(step) for step in steps], tube, now + VALID_FOR
+            conditions,
+            [command_text(step) for step in steps],
+            tube,
+            now + VALID_FOR,
+            is_bounded,
         )
         return Certificate(name, VALID_FOR, self._tolerances.tube)
 
     @contextmanager
-    def redeem(self, name: str, command: Mapping[str, Any]) -> Iterator[CommandTicket]:
+    def redeem(
+        self, name: str, command: Mapping[str, Any], *, is_agent: bool = False
+    ) -> Iterator[CommandTicket]:
         """Let a rehearsed command be given in the body of a `with`.
 
         The commands of a certificate must be given in their order, each once. The body
@@ -298,14 +336,15 @@ class Certificates:
         Args:
             name: The certificate.
             command: The command, as a step of a rehearsal.
+            is_agent: Whether an agent gives the command.
 
         Raises:
             CertificateNotFoundError: The certificate does not exist, or has expired.
-            CertificateVoidError: The certificate is for another command, or a condition
-                of the rehearsal has changed; nothing moves.
+            CertificateVoidError: The certificate is for another command or not for
+                agents, or a condition of the rehearsal has changed; nothing moves.
             LoopError: The loop died or hangs.
         """
-        issued = self._find(name)
+        issued = self._find(name, is_agent=is_agent)
         with issued.lock:
             self._check(issued, command)
             ticket, is_last = self._station.motion.ticket(), len(issued.commands) == 1
@@ -345,27 +384,34 @@ class Certificates:
         self._check_conditions(issued)
 
     def check(self, name: str) -> None:
-        """Refuse a certificate that is no longer valid for any command.
+        """Refuse an agent's certificate that is no longer valid for any command.
 
         Args:
             name: The certificate.
 
         Raises:
             CertificateNotFoundError: The certificate does not exist, or has expired.
-            CertificateVoidError: A condition of the rehearsal has changed.
+            CertificateVoidError: The certificate is not for agents, or a condition of
+                the rehearsal has changed.
             LoopError: The loop died or hangs.
         """
-        issued = self._find(name)
+        issued = self._find(name, is_agent=True)
         with issued.lock:
             self._check_conditions(issued)
 
-    def _find(self, name: str) -> _Issued:
+    def _find(self, name: str, *, is_agent: bool) -> _Issued:
         issued = self._issued.get(name)
         if issued is None or self._station.loop.clock.now() > issued.deadline:
             raise CertificateNotFoundError(
                 f"There is no certificate '{name}', or it was used or has expired.",
                 remedy="Rehearse the command, and give it within "
                 f"{VALID_FOR:g} s with the certificate of the answer.",
+            )
+        if is_agent and not issued.is_bounded:
+            raise CertificateVoidError(
+                "The certificate was made for a person, whose motions need not keep to "
+                "the envelope of agents.",
+                remedy="Rehearse the command with the agent's token.",
             )
         return issued
 

@@ -248,9 +248,15 @@ class Rehearsals:
                 rehearsal = replace(
                     rehearsal, outcome=RehearsalOutcome.FAILED, error=fault
                 )
-        if certify and rehearsal.outcome is RehearsalOutcome.COMPLETED:
+        if (
+            certify
+            and found.is_whole
+            and rehearsal.outcome is RehearsalOutcome.COMPLETED
+        ):
             issue = self._certificates.issue
-            certificate = issue(steps, found.conditions, found.positions)
+            certificate = issue(
+                steps, found.conditions, found.positions, is_bounded=is_agent
+            )
             rehearsal = replace(rehearsal, certificate=certificate)
         return rehearsal
 
@@ -414,24 +420,30 @@ class Rehearsals:
 
     @contextmanager
     def redeemed(
-        self, certificate: str | None, command: Mapping[str, Any]
+        self,
+        certificate: str | None,
+        command: Mapping[str, Any],
+        *,
+        is_agent: bool = False,
     ) -> Iterator[CommandTicket | None]:
         """Let a command be given in the body of a `with`, by its certificate if any.
 
         Args:
             certificate: Name of the certificate; None without one.
             command: The command, as a step of a rehearsal.
+            is_agent: Whether an agent gives the command.
 
         Raises:
             CertificateNotFoundError: The certificate does not exist, or has expired.
-            CertificateVoidError: The certificate is for another command, or a condition
-                of the rehearsal has changed; nothing moves.
+            CertificateVoidError: The certificate is for another command or not for
+                agents, or a condition of the rehearsal has changed; nothing moves.
             LoopError: The loop died or hangs.
         """
         if certificate is None:
             yield None
             return
-        with self._certificates.redeem(certificate, command) as ticket:
+        redeem = self._certificates.redeem
+        with redeem(certificate, command, is_agent=is_agent) as ticket:
             before = _redeemed.set(True)
             try:
                 yield ticket
@@ -448,7 +460,8 @@ class Rehearsals:
             RehearsalNeededError: The policy requires a rehearsal, and the motion has no
                 certificate.
             CertificateNotFoundError: The certificate does not exist, or has expired.
-            CertificateVoidError: A condition of the rehearsal has changed.
+            CertificateVoidError: The certificate is not for agents, or a condition of
+                the rehearsal has changed.
             LoopError: The loop died or hangs.
         """
         if certificate is None:
@@ -470,7 +483,8 @@ class Rehearsals:
             raise RehearsalNeededError(
                 "The robot may be moved only as it was rehearsed.",
                 remedy="Rehearse the command with `certificate: true`, and give it "
-                "with the certificate of the answer.",
+                "with the certificate of the answer. Only one motion, which begins at "
+                "once and comes to rest, gets one.",
             )
 
     def _hands(self) -> Hands:

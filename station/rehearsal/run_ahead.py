@@ -71,11 +71,14 @@ class Forecast:
         rehearsal: The report.
         conditions: State of the station at its beginning.
         positions: Positions of all joints after every cycle [rad or m], shape (k, n).
+        is_whole: Whether the motion ended: no goal and no trajectory goes on, and the
+            joints stood still in the last `REST_CYCLES` cycles.
     """
 
     rehearsal: Rehearsal
     conditions: Conditions
     positions: "NDArray[np.float64]"
+    is_whole: bool
 
 
 def run_ahead(
@@ -136,6 +139,7 @@ class _RunAhead:
         self._clamped = self._clamp_counts()
         self._seen = _Seen()
         self._goals: list[Goal] = []
+        self._until = 0.0
         self._gate = station.manager.controller_update.gate
         self._running = self._gate.running
         self._rows: list[NDArray[np.float64]] = []
@@ -157,7 +161,13 @@ class _RunAhead:
             if self._rows
             else np.zeros((0, 3, len(self._station.joint_names)))
         )
-        return Forecast(self._report(states), self._conditions, states[:, 0].copy())
+        has_rested = len(states) >= REST_CYCLES and _rest(states[-REST_CYCLES:])
+        return Forecast(
+            self._report(states),
+            self._conditions,
+            states[:, 0].copy(),
+            has_rested and self._has_ended(),
+        )
 
     @property
     def _elapsed(self) -> float:
@@ -173,7 +183,10 @@ class _RunAhead:
         return self._done == len(self._steps) and self._has_ended() and self._rests()
 
     def _has_ended(self) -> bool:
-        return all(goal.is_final() for goal in self._goals)
+        # A trajectory may wait before it moves: joints that rest do not tell its end.
+        return self._loop.time >= self._until and all(
+            goal.is_final() for goal in self._goals
+        )
 
     def _rests(self) -> bool:
         rows = self._station.snapshots.rows_since(self._loop.cycle - REST_CYCLES)
@@ -199,6 +212,9 @@ class _RunAhead:
         if carry_out_plan(self._station, kind, step):
             if kind == "goal":
                 self._goals.append(self._station.motion.goals(step["name"])[-1])
+            else:
+                end = _end_of_trajectory(step["request"], self._loop.time)
+                self._until = max(self._until, end)
         elif not carry_out(self._station, kind, step):
             raise InvalidCommandError(
                 f"A step of the kind '{kind}' cannot be rehearsed.",
@@ -382,6 +398,14 @@ class _RunAhead:
                 )
             )
         return found
+
+
+def _end_of_trajectory(message: Mapping[str, Any], now: float) -> float:
+    """Return the station time at which a trajectory that was accepted now ends [s]."""
+    stamps = message.get("stamp"), message.get("header", {}).get("stamp")
+    points = message.get("points") or [{}]
+    begin = max(now, *(stamp or 0.0 for stamp in stamps))
+    return begin + float(points[-1].get("time_from_start", 0.0))
 
 
 def digest_of(states: "NDArray[np.float64]") -> str:

@@ -384,6 +384,105 @@ def test_other_command_is_no_certified_one(ready):
         pytest.fail("the command was admitted")
 
 
+VELOCITY = "velocity_group_controller"
+STREAM = "position_streaming_controller"
+
+
+def path_that_loops(controller):
+    """Return a step that plays a path again and again."""
+    step = goal(controller, moved(j1=0.1), 1.0)[0]
+    return [{"kind": "path", "path": "p", "options": {"loop": True}, "at": 0.0}], {
+        "path": lambda _: step
+    }
+
+
+@pytest.mark.parametrize(
+    ("controller", "steps", "seconds"),
+    [
+        (VELOCITY, set_point(VELOCITY, [0.3] + [0.0] * 6), 1.0),
+        (STREAM, set_point(STREAM, moved(j1=1.5)), 0.01),
+        (STREAM, set_point(STREAM, moved(j1=1.5)) + set_point(STREAM, READY), None),
+        (EFFORT, [MOTIONS["gains"][1][0], *goal(EFFORT, READY, 0.5)], None),
+        (POSITION, path_that_loops, None),
+    ],
+    ids=["goes on", "too short", "replaced at once", "gains", "loops"],
+)
+def test_a_motion_that_the_rehearsal_does_not_bound_gets_no_certificate(
+    ready, controller, steps, seconds
+):
+    robot, plans = ready(controller), {}
+    if callable(steps):
+        steps, plans = steps(controller)
+    told = Rehearsals(robot.facade, plans).rehearse(steps, seconds, certify=True)
+    assert (told.outcome, told.certificate) == ("completed", None)
+
+
+def test_a_trajectory_that_waits_first_is_rehearsed_to_its_end(ready):
+    points = [
+        {"positions": READY, "time_from_start": 0.5},
+        {"positions": moved(j1=0.3), "time_from_start": 1.5},
+    ]
+    step = {
+        "kind": "trajectory",
+        "name": POSITION,
+        "request": {"joint_names": JOINTS, "points": points},
+        "at": 0.0,
+    }
+    told = Rehearsals(ready(POSITION).facade).rehearse([step], certify=True)
+    assert told.positions[-1][0] == pytest.approx(0.3, abs=0.01)
+    assert told.certificate is not None
+
+
+def creep(robot):
+    """Give a set-point of a slow velocity, which seems to rest, by its certificate."""
+    rehearsals = Rehearsals(robot.facade)
+    [step] = set_point(VELOCITY, [0.004] + [0.0] * 6)
+    name = rehearsals.rehearse([step], certify=True).certificate.name
+    with rehearsals.redeemed(name, step) as ticket:
+        robot.facade.motion.set_command(VELOCITY, step["values"], ticket=ticket)
+    return robot.latest().position[0]
+
+
+def test_a_set_point_without_an_end_is_watched_while_it_is_in_force(ready):
+    robot = ready(VELOCITY)
+    begin = creep(robot)
+    robot.run(12.0)
+    assert robot.facade.loop.stop_latch.state is StopState.STOPPED
+    assert robot.latest().position[0] - begin == pytest.approx(0.03, abs=2e-3)
+
+
+@pytest.mark.parametrize("end", ["another controller", "another set-point"])
+def test_a_set_point_that_is_over_is_not_watched(ready, end):
+    robot = ready(VELOCITY)
+    creep(robot)
+    robot.run(0.5)
+    if end == "another controller":
+        robot.switch(stop=[VELOCITY], start=[POSITION])
+        robot.facade.motion.submit_goal(
+            POSITION, goal(POSITION, moved(j1=0.3), 1.0)[0]["request"]
+        )
+    else:
+        robot.facade.motion.set_command(VELOCITY, [0.2] + [0.0] * 6)
+    robot.run(1.0)
+    assert robot.latest().position[0] > 0.1
+    assert robot.facade.loop.stop_latch.state is StopState.ARMED
+
+
+def test_a_certificate_of_a_person_is_not_for_agents(ready):
+    robot = ready(EFFORT)
+    rehearsals = Rehearsals(robot.facade)
+    name = rehearsals.rehearse(STEPS, certify=True).certificate.name
+    with pytest.raises(CertificateVoidError, match="made for a person"):
+        rehearsals.check_agent(name)
+    with (
+        pytest.raises(CertificateVoidError, match="made for a person"),
+        rehearsals.redeemed(name, STEPS[0], is_agent=True),
+    ):
+        pytest.fail("the command was admitted")
+    with rehearsals.redeemed(name, STEPS[0]):
+        pass
+
+
 def test_agents_need_a_certificate_and_people_do_not(ready):
     robot = ready(EFFORT)
     rules = Rules()

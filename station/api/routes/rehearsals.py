@@ -106,7 +106,9 @@ class ByRehearsal:
             command: Arguments of the command, as in the step.
         """
         rehearsals, step = self._rehearsals, {"kind": kind, **command}
-        with rehearsals.redeemed(self._certificate, step) as ticket:
+        with rehearsals.redeemed(
+            self._certificate, step, is_agent=self._is_agent
+        ) as ticket:
             if kind != "switch":
                 rehearsals.check(is_agent=self._is_agent)
             policy = rehearsals.rules.policy_of(is_agent=self._is_agent)
