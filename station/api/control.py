@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 
+from station.api.agents import AgentRefusedError
 from station.api.auth import Access, Role
 from station.core.errors import StationError
 from station.events import EventKind, EventLog, Origin, Severity
@@ -206,7 +207,15 @@ class Control:
         Raises:
             ControlHeldError: Another client holds control and `force` is false, or an
                 agent uses force.
+            AgentRefusedError: An agent names another owner than itself.
         """
+        # Under a person's name an agent would be that person's heir, and people would
+        # ask the wrong one to give control back.
+        if access.role is Role.AGENT and owner != access.name:
+            raise AgentRefusedError(
+                f"The agent {access.name} may not take control as '{owner}'.",
+                remedy="Leave `owner` out.",
+            )
         with self._lock:
             if force and access.role is Role.AGENT:
                 raise ControlHeldError(

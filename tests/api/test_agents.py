@@ -306,6 +306,23 @@ def test_a_person_takes_control_back_without_force_and_by_acting(run):
     run(story)
 
 
+def test_an_agent_holds_control_under_no_name_but_its_own(run):
+    async def story(world, agent):
+        control = "/api/v1/control"
+        await world.person.post(control, json={"owner": "Ada", "ttl": 60.0})
+        lease = (await world.person.get(control)).json()
+        named = await world.agent("grace")
+        for body in ({"owner": "Bob"}, {"owner": "Ada", "ttl": 1.0}):
+            answer = await agent.post(control, json=body)
+            assert (answer.status_code, answer.json()["code"]) == (403, "agent_refused")
+            assert f"take control as '{body['owner']}'" in answer.json()["detail"]
+        assert (await world.person.get(control)).json()["owner"] == lease["owner"]
+        answer = await named.post(control, json={"owner": "grace"})
+        assert answer.status_code == 423
+
+    run(story)
+
+
 def test_two_agents_do_not_share_control_and_a_flood_is_refused(run):
     async def story(world, agent):
         other = await world.agent("other")
