@@ -129,10 +129,15 @@ def get_playback(services: ServicesDep) -> wire.LastPlayback:
     return wire.LastPlayback.model_validate({"playback": found})
 
 
-@_paths.patch("/playback", **change(404, 409, 413, 422, 423, 503))
+@_paths.patch("/playback", **change(404, 409, 413, 422, 423, 428, 503))
 def change_playback(request: wire.PlaybackPatch, services: ServicesDep) -> Playback:
-    """Pause or resume the path that plays, or change its speed or loop."""
+    """Pause or resume the path that plays, or change its speed or loop.
+
+    Where motions have to be rehearsed, a path can only be paused.
+    """
     player = services.path_player
+    if request.paused is False or request.speed is not None or request.loop:
+        services.rehearsals.check(is_agent=False)  # agents may not call this
     found = player.adjust(speed=request.speed, loop=request.loop)
     if request.paused is not None:
         found = player.pause() if request.paused else player.resume()

@@ -8,6 +8,7 @@ from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.client import ApiError, StationClient
 from station.core.control.switching import SwitchRequest
+from station.rehearsal.rehearsals import Policy, Rules
 from station.wire import Waypoint
 from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
 from tests.two_joint_station import make_station
@@ -32,6 +33,7 @@ def paths(station):
     """Return a client of the paths of a station whose trajectory controller runs."""
     app = create_app(station, Authenticator(OPERATOR, VIEWER))
     with StationClient(URL, OPERATOR, transport=AppTransport(app)) as client:
+        client.waypoint_paths.rehearsals = app.state.services.rehearsals
         yield client.waypoint_paths
 
 
@@ -44,6 +46,20 @@ def test_a_path_is_captured_edited_and_deleted(paths):
     assert paths.names() == ["wave"]
     assert paths.delete("wave").waypoints == [edited]
     assert paths.names() == []
+
+
+def test_a_path_that_had_to_be_rehearsed_is_only_paused(paths):
+    point = Waypoint(name="up", duration=0.5, positions={"j1": 0.4})
+    paths.save("wave", [point])
+    paths.play("wave")
+    rehearsals = paths.rehearsals
+    rehearsals.adopt(Rules(operator=Policy.REQUIRED))
+    assert paths.change(paused=True, loop=False).state == "paused"
+    for change in ({"paused": False}, {"speed": 2.0}, {"loop": True}):
+        with pytest.raises(ApiError) as needed:
+            paths.change(**change)
+        assert (needed.value.status, needed.value.code) == (428, "rehearsal_needed")
+    assert paths.cancel().state == "cancelled"
 
 
 def test_a_path_is_played_paused_resumed_and_ends(paths, station):
