@@ -4,6 +4,7 @@ import asyncio
 import os
 import secrets
 import signal
+import subprocess
 import sys
 import time
 from argparse import Namespace
@@ -209,18 +210,45 @@ def _own_token(options: Namespace) -> "Iterator[tuple[str, str]]":
             return
         name, made = _made_token(client, options.name)
         sys.stderr.write(f"The agent is called {name}.\n")
+        heir = _begin_to_wait(url, token, options.ca, name)
+
+        def revoke() -> None:
+            client.tokens.revoke(name)
+            heir.kill()
 
         def end(number: int, _: object) -> NoReturn:
             # The loop would wait for its thread that reads stdin, perhaps for ever.
-            client.tokens.revoke(name)
+            revoke()
             os._exit(128 + number)
 
         before = signal.signal(signal.SIGTERM, end)
         try:
-            yield url, made.token
+            with heir:
+                yield url, made.token
+                revoke()
         finally:
             signal.signal(signal.SIGTERM, before)
-            client.tokens.revoke(name)
+
+
+def _begin_to_wait(
+    url: str, token: str | None, ca: str | None, name: str
+) -> "subprocess.Popen[bytes]":
+    """Start a process that revokes an agent's token if this process is killed.
+
+    A host may kill its server, and the token would stay valid.
+    """
+    known = {"STATION_URL": url, "STATION_TOKEN": token, "STATION_CA": ca}
+    given = {key: value for key, value in known.items() if value is not None}
+    revoke = [sys.executable, "-m", "station", "token", "revoke", name]
+    return subprocess.Popen(
+        # The input of the shell ends with this process, however it ends.
+        ["sh", "-c", 'read -r _; exec "$@"', "sh", *revoke],
+        env=os.environ | given,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
 
 
 def _made_token(client: "StationClient", wanted: str | None) -> "tuple[str, NewToken]":

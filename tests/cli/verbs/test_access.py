@@ -8,6 +8,7 @@ from argparse import Namespace
 import pytest
 
 from station.cli.parser import parse
+from station.cli.verbs import access
 from station.client import ApiError
 from station.wire import ControlState
 
@@ -136,6 +137,18 @@ def test_an_agent_whose_name_is_taken_gets_a_similar_one(
     assert served == ["secret"]
     (_, name, *_), revoked = station.calls
     assert revoked == ("revoke", name)
+
+
+def test_the_token_of_an_agent_that_is_killed_is_revoked(tmp_path, monkeypatch):
+    told = tmp_path / "told"
+    command = tmp_path / "python"
+    command.write_text(f'#!/bin/sh\necho "$STATION_URL $STATION_TOKEN $@" > {told}\n')
+    command.chmod(0o755)
+    monkeypatch.setattr("sys.executable", str(command))
+    # A process that is killed closes its end of the pipe, and does nothing else.
+    with access._begin_to_wait("http://h:1", "secret", None, "tuner") as heir:
+        assert heir.poll() is None
+    assert told.read_text() == "http://h:1 secret -m station token revoke tuner\n"
 
 
 def test_an_agent_that_is_terminated_leaves_no_token(run, station, monkeypatch):
