@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+from station.cli.output import say_progress
 from station.core.errors import StationError, show
 from station.core.installation import missing_extra
 
@@ -85,10 +86,10 @@ def report(failure: Failure, *, as_json: bool) -> None:
     if as_json:
         sys.stderr.write(json.dumps(failure.as_problem()) + "\n")
         return
-    sys.stderr.write(f"error: {failure.detail}\n")
+    say_progress(f"error: {failure.detail}")
     remedy = for_terminal(failure.code, failure.remedy)
     if remedy:
-        sys.stderr.write(f"{remedy}\n")
+        say_progress(remedy)
 
 
 def failure_of(

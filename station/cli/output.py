@@ -6,14 +6,31 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 
+def escaped(text: str, kept: str = "\n\t") -> str:
+    """Return a text in which no sign steers the terminal.
+
+    Names and notes come from anybody, also from agents: an escape sequence could
+    overwrite what a person is about to allow.
+
+    Args:
+        text: The text.
+        kept: Signs that stay although they are not printable; others are escaped.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        one if one.isprintable() or one in kept else ascii(one)[1:-1] for one in text
+    )
+
+
 def say(text: str) -> None:
     """Print a line."""
-    sys.stdout.write(f"{text}\n")
+    sys.stdout.write(f"{escaped(text)}\n")
 
 
 def say_progress(text: str) -> None:
     """Print a line of progress to stderr, without buffering."""
-    sys.stderr.write(f"{text}\n")
+    sys.stderr.write(f"{escaped(text)}\n")
     sys.stderr.flush()
 
 
@@ -80,6 +97,7 @@ def number(value: float | None, nothing: str = "-") -> str:
 
 def say_table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Print a table: with lines and colours on a terminal, else plain columns."""
+    rows = [[escaped(cell, "") for cell in row] for row in rows]
     if sys.stdout.isatty():
         _say_rich(headers, rows)
         return

@@ -467,7 +467,9 @@ class FakeAgents:
 
     def __init__(self, station: "FakeStation") -> None:
         self._station = station
-        self.request = AgentRequest("q3TZ", "tuner", "grasp", "panda", {}, 0.0, 60.0)
+        self.request = AgentRequest(
+            "q3TZ", "tuner", "grasp", "panda", {"width": 0.04}, 0.0, 60.0
+        )
 
     def requests(self):
         return [self.request]

@@ -4,7 +4,8 @@ import json
 import sys
 from argparse import Namespace
 
-from station.cli.output import answer, answer_table, say_json, say_table
+from station.cli.errors import Failure, report
+from station.cli.output import answer, answer_table, say, say_json, say_table
 from station.wire import ControllerType
 
 
@@ -12,6 +13,16 @@ def test_columns_are_aligned(capsys):
     say_table(["name", "state"], [["a", "running"], ["longer", "-"]])
 
     assert capsys.readouterr().out == "name    state\na       running\nlonger  -\n"
+
+
+def test_no_name_steers_the_terminal(capsys):
+    say_table(["name"], [["a\x1b[2Jb\nc\u202ed"]])
+    say("a\x1b]0;b\x07\nc\td é")
+    report(Failure("c", "no 'a\x1b[1m'", "try\x9b2J"), as_json=False)
+
+    told = capsys.readouterr()
+    assert told.out == ("name\na\\x1b[2Jb\\nc\\u202ed\na\\x1b]0;b\\x07\nc\td é\n")
+    assert told.err == "error: no 'a\\x1b[1m'\ntry\\x9b2J\n"
 
 
 def test_terminal_gets_a_styled_table(capsys, monkeypatch):

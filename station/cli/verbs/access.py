@@ -1,6 +1,7 @@
 """Verbs about rights: `control`, `token`, `agents` for their requests, and `mcp`."""
 
 import asyncio
+import json
 import os
 import secrets
 import signal
@@ -148,10 +149,23 @@ def agents(options: Namespace) -> int:
             return answer(options, answered, f"It is {answered.verdict}.")
         found = client.agents.requests()
     rows = [
-        (r.number, r.agent, r.operation, r.target, r.verdict or "waits") for r in found
+        (
+            r.number,
+            r.agent,
+            r.operation,
+            r.target,
+            r.verdict or "waits",
+            _shown(r.request),
+        )
+        for r in found
     ]
-    headers = ("number", "agent", "operation", "target", "verdict")
+    headers = ("number", "agent", "operation", "target", "verdict", "request")
     return answer_table(options, found, headers, rows)
+
+
+def _shown(request: object) -> str:
+    text = json.dumps(request)
+    return text if len(text) <= 200 else f"{text[:180]}… (whole with --json)"
 
 
 def add_mcp(parser: "Parser") -> None:

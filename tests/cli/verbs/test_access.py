@@ -95,7 +95,9 @@ def served(monkeypatch, station):
 
 
 def test_requests_of_agents_are_listed(run):
-    assert "tuner" in run("agents").out
+    listed = run("agents").out
+    assert "tuner" in listed
+    assert '{"width": 0.04}' in listed  # what a person would allow
     (request,) = json.loads(run("agents --json").out)
     assert (request["number"], request["verdict"]) == ("q3TZ", None)
 
