@@ -108,12 +108,12 @@ class Envelope:
         low, high = self.joints.get(joint, (-np.inf, np.inf))
         if not (low <= lowest and highest <= high):
             return (
-                f"{joint} would move from {lowest:.4f} to {highest:.4f}; agents have "
+                f"{joint} would move from {lowest:.4g} to {highest:.4g}; agents have "
                 f"{low:g} to {high:g}."
             )
         # The hand moves on an arc, so check between its ends, too. With these steps the
-        # hand of the longest arm moves about 1 cm.
-        for angle in np.linspace(lowest, highest, 2 + int(200.0 * abs(size))):
+        # hand of the longest arm moves about 1 cm. The bench refuses larger sizes.
+        for angle in np.linspace(lowest, highest, 2 + int(200.0 * min(abs(size), 4))):
             reached = q.copy()
             reached[index] = angle
             found = self._outside(reached, hands)

@@ -553,6 +553,10 @@ def test_a_test_of_an_agent_keeps_to_the_ranges(ready):
     rehearsals.check_range(name, 0.09)
     with pytest.raises(AgentEnvelopeError, match=f"{name} would move from"):
         rehearsals.check_range(name, 0.11)
+    with pytest.raises(AgentEnvelopeError, match=f"{name} would move from -1e.300 to"):
+        rehearsals.check_range(name, 1e300)
+    anywhere = Rules(envelope=Envelope(workspace={"x": (-5.0, 5.0)}))
+    Rehearsals(robot.facade, rules=anywhere).check_range(name, 1e300)
 
 
 def test_each_client_gets_copies_of_a_live_station_at_a_bounded_rate(monkeypatch):
