@@ -396,6 +396,7 @@ class MotionCommands:
             raise InvalidTrajectoryError(
                 f"The time asked for is {when}.", remedy="Give a finite time."
             )
+        self._check_running(name, self.manager.get_controller(name))
         return port.query_state(when)
 
     def _check_may_move(self, name: str, epoch: int | None) -> int:

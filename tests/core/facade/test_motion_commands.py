@@ -254,6 +254,8 @@ def test_nothing_resumes_after_a_stop(arm):
 
 
 def test_controllers_without_a_port_say_so(station):
+    with pytest.raises(ControllerStateError, match="'arm' is initialized"):
+        make_station().motion.query_state("arm")
     for call in (station.motion.goals, station.motion.query_state):
         with pytest.raises(InvalidCommandError, match="'group' takes no"):
             call("group")
