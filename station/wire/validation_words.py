@@ -90,12 +90,13 @@ def _names(pattern: str) -> str:
     signs = _SIGNS.get(pattern.replace("(", "").replace(")?", ""))
     if signs is None:
         return f"must match {pattern}"
-    return f"must have letters A to Z, digits and {signs} alone, no sign but _ at first"
+    return f"must have letters {signs} alone, no sign but _ at first"
 
 
 _SIGNS: Mapping[str, str] = {
-    r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$": "_ . -",
-    r"^[A-Za-z0-9_][A-Za-z0-9_.@+-]*$": "_ . @ + -",
+    r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$": "A to Z, digits and _ . -",
+    r"^[A-Za-z0-9_][A-Za-z0-9_.@+-]*$": "A to Z, digits and _ . @ + -",
+    r"^[\w][\w.@+ -]*$": "of any language, digits, spaces and _ . @ + -",
 }
 """The signs of the names that each pattern allows."""
 

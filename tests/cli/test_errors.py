@@ -21,6 +21,7 @@ from station.core.installation import install_command
 from station.local.station_locator import NoStationError
 from station.wire import (
     CommandRequest,
+    ControlRequest,
     FieldError,
     GoalRequest,
     LoadRequest,
@@ -102,6 +103,11 @@ def test_what_cannot_be_sent_is_told():
             "first (it is 'a/b').",
         ),
         (
+            lambda: ControlRequest(owner="!Ada"),
+            "--owner: must have letters of any language, digits, spaces and _ . @ + - "
+            "alone, no sign but _ at first (it is '!Ada').",
+        ),
+        (
             lambda: ResetRequest(joint_positions={"j1": float("inf")}),
             "j1: must be a finite number (it is inf).",
         ),
@@ -119,6 +125,7 @@ def test_a_wrong_field_has_the_name_that_was_typed(make, detail):
     with pytest.raises(ValidationError) as caught:
         make()
     typed = {"inner": "--inner", "joint_positions": "JOINT=POSITION"}
+    typed["owner"] = "--owner"
 
     failure = failure_of(caught.value, typed)
 
