@@ -146,21 +146,35 @@ def spawn(options: Namespace) -> int:
 def kill(options: Namespace) -> int:
     """Stop the named controllers that run, and unload all named ones (ROS 1)."""
     with open_client(options) as client:
-        code = stop_running(client, options)
+        result = _stop_running(client, options.names)
+        if not options.json:
+            _tell_stop(result, options)
         for name in options.names:
             client.unload_controller(name)
             if not options.json:
                 say(f"Unloaded {name}.")
-    return code
+    if options.json:
+        say_json({**dict(result or _NOTHING_STOPPED), "unloaded": options.names})
+    return 0 if result is None or result.ok else 1
+
+
+_NOTHING_STOPPED = {"ok": True, "stopped": [], "started": []}
 
 
 def stop_running(client: "StationClient", options: Namespace) -> int:
     """Stop the named controllers that run."""
-    running = [n for n in options.names if client.controller(n).state == "running"]
-    if not running:
-        stopped: dict[str, object] = {"ok": True, "stopped": [], "started": []}
-        return answer(options, stopped, "None of them is running.")
-    return _tell(client.switch_controllers(stop=running), options)
+    return _tell_stop(_stop_running(client, options.names), options)
+
+
+def _stop_running(client: "StationClient", names: list[str]) -> "SwitchResult | None":
+    running = [name for name in names if client.controller(name).state == "running"]
+    return client.switch_controllers(stop=running) if running else None
+
+
+def _tell_stop(result: "SwitchResult | None", options: Namespace) -> int:
+    if result is None:
+        return answer(options, _NOTHING_STOPPED, "None of them is running.")
+    return _tell(result, options)
 
 
 def _tell(result: "SwitchResult", options: Namespace) -> int:

@@ -122,6 +122,14 @@ def test_kill_stops_what_runs_and_unloads(run, station):
     ]
 
 
+@pytest.mark.parametrize(("names", "stopped"), [("arm leg", ["arm"]), ("leg", [])])
+def test_kill_lists_what_it_unloaded_as_json(run, names, stopped):
+    told = json.loads(run(f"kill {names} --json").out)
+
+    assert (told["ok"], told["stopped"]) == (True, stopped)
+    assert told["unloaded"] == names.split()
+
+
 def test_a_controller_is_brought_into_a_state_by_one_step(run, station):
     assert run("set_controller_state leg active").code == 0
     assert station.calls[-1][1]["start"] == ["leg"]
