@@ -88,7 +88,11 @@ def _steps(client: "StationClient", options: Namespace) -> "list[dict[str, JsonV
     if options.file is not None:
         return _steps_of_file(options.file)
     if options.path is not None:
-        return [{"kind": "path", "path": options.path}]
+        from station.wire.rehearsal import PathStep
+
+        # Checked here, where its field has the name of the option.
+        step = PathStep(kind="path", path=options.path)
+        return [step.model_dump(exclude_unset=True)]
     name, values = options.controller, options.values
     if name is None or not values:
         raise UsageError(

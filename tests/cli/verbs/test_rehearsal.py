@@ -44,6 +44,13 @@ def test_model_of_a_real_arm_is_told(run, station):
     assert "A model of the arm was moved" in run("rehearse --path wave").out
 
 
+def test_a_name_that_no_path_has_is_refused_as_it_was_typed(run, station):
+    empty = run("rehearse --path=")
+    assert empty.err.startswith("error: --path: must have at least 1 character")
+    assert run("rehearse --path a/b").err.startswith("error: --path: must have letters")
+    assert station.calls == []
+
+
 def test_failed_steps_of_a_file_give_exit_code_1(run, station, tmp_path):
     error = {
         "cause": "reflex",
