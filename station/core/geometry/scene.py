@@ -145,8 +145,18 @@ def read_object(values: object, where: str) -> SceneObject:
     if not entry or unknown:
         _refuse(where, f"is {values!r}", f"with keys of {sorted(_KEYS)}")
     name, kind = entry.get("name"), entry.get("type")
-    if not isinstance(name, str) or not name or not name.isprintable():
-        _refuse(f"{where}/name", f"is {name!r}", "a name of printable characters")
+    # A name is one segment of an address, too.
+    if (
+        not isinstance(name, str)
+        or not name.strip(" .")
+        or not name.isprintable()
+        or "/" in name
+    ):
+        _refuse(
+            f"{where}/name",
+            f"is {name!r}",
+            "a name of printable characters without /, and not of dots and spaces",
+        )
     if not isinstance(kind, str) or kind not in _SIZES:
         _refuse(f"{where}/type", f"is {kind!r}", f"one of {sorted(_SIZES)}")
     file = entry.get("file", "")

@@ -341,6 +341,8 @@ def test_ball_falls_onto_the_table_and_stays_there():
         ({"links": "hand"}, "a list of names"),
         ({"name": ""}, "name' is ''"),
         ({"name": "a\nb"}, "must be a name of printable characters"),
+        ({"name": "a/b"}, "characters without /, and not of dots and spaces"),
+        ({"name": " .."}, "characters without /, and not of dots and spaces"),
         ({"type": "mesh", "size": []}, "path of a mesh file"),
     ],
 )
