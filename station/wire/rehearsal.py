@@ -214,3 +214,9 @@ class RehearsalRequest(RequestModel):
     steps: list[RehearsalStep] = Field(default_factory=list, max_length=50)
     seconds: Annotated[float, Field(gt=0.0, le=60.0)] | None = None
     certificate: bool = False
+
+    @model_validator(mode="after")
+    def _has_a_command(self) -> Self:
+        if self.certificate and not self.steps:
+            raise ValueError("needs a step for a certificate")
+        return self

@@ -114,7 +114,11 @@ def _steps_of_file(file: str) -> "list[dict[str, JsonValue]]":
         raise UsageError(
             f"{file} cannot be read: {error}.", remedy="Give a JSON list of steps."
         ) from error
-    if not isinstance(steps, list) or not all(isinstance(one, dict) for one in steps):
+    if (
+        not isinstance(steps, list)
+        or not steps
+        or not all(isinstance(one, dict) for one in steps)
+    ):
         raise UsageError(
             f"{file} holds no list of steps.",
             remedy='A step is such as {"kind": "path", "path": "wave"}.',

@@ -1,6 +1,7 @@
 """Rehearsals by the API: forecast, certificate, policy."""
 
 import pytest
+from pydantic import ValidationError
 
 from station.client import ApiError
 from station.rehearsal.rehearsals import BURST, Policy, Rules
@@ -49,6 +50,12 @@ def test_refused_step_is_told_with_its_number(arm):
         1,
     )
     assert told.error.code == "invalid_command"
+
+
+def test_nothing_has_no_certificate(arm):
+    assert arm.rehearse([]).outcome == "completed"  # what is under way goes on
+    with pytest.raises((ApiError, ValidationError), match="needs a step"):
+        arm.rehearse([], certificate=True)
 
 
 def test_certified_goal_is_given_once(arm, station):

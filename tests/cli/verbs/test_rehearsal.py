@@ -83,5 +83,11 @@ def test_two_things_to_rehearse_are_refused(run, station, words):
     assert "was named twice" in outcome.err
 
 
-def test_nothing_to_rehearse_is_refused(run):
+def test_nothing_to_rehearse_is_refused(run, station, tmp_path):
     assert run("rehearse").code == 2
+    file = tmp_path / "steps.json"
+    for text in ("[]", "{}", "[1]"):
+        file.write_text(text)
+        outcome = run(f"rehearse --file {file}")
+        assert (outcome.code, station.calls) == (2, [])
+        assert f"{file} holds no list of steps." in outcome.err
