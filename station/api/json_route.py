@@ -177,21 +177,23 @@ def _check_values(body: object) -> int:
     return members  # of all objects
 
 
-def check_names(text: bytes | str) -> None:
-    """Refuse JSON with the same key twice in one object.
+def check_names(text: bytes | str) -> Any:  # noqa: ANN401 - any JSON
+    """Return JSON, unless it has the same key twice in one object.
 
     Raises:
         DoubleNameError: An object has a key twice.
+        ValueError: The text is no JSON.
     """
-    json.loads(text, object_pairs_hook=_check_pairs)
+    return json.loads(text, object_pairs_hook=_check_pairs)
 
 
-def _check_pairs(pairs: list[tuple[str, object]]) -> None:
-    names = set()
-    for name, _ in pairs:
+def _check_pairs(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    names: dict[str, object] = {}
+    for name, value in pairs:
         if name in names:
             raise DoubleNameError(f"has the key '{name:.80}' twice in one object")
-        names.add(name)
+        names[name] = value
+    return names
 
 
 def _too_many(found: str, most: int) -> ProblemError:

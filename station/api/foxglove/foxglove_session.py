@@ -16,6 +16,7 @@ import anyio.to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from station.api.foxglove.live_channels import LiveChannels, LiveMessage
+from station.api.json_route import check_names
 from station.api.tool_port import ToolClient, reason_of, report_fault
 from station.core.control.switching import SwitchRequest
 from station.core.errors import (
@@ -117,7 +118,7 @@ class FoxgloveChanges:
         """
         self._client.check(SWITCH_SERVICE)
         try:
-            asked = json.loads(payload)
+            asked = check_names(payload)
             start, stop = _names(asked, "start"), _names(asked, "stop")
             result = self._station.switch_controllers(SwitchRequest(start, stop))
         except (StationError, ValueError, RecursionError) as error:
@@ -311,7 +312,7 @@ class FoxgloveSession:
         await self._send({"op": "advertise", "channels": channels})
 
     async def _take_text(self, text: str) -> None:
-        asked = json.loads(text)
+        asked = check_names(text)
         op = asked["op"]
         if op == "subscribe":
             await self._subscribe(asked["subscriptions"])

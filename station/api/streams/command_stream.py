@@ -286,6 +286,7 @@ def _read(message: bytes | str, form: wire.StreamFormat) -> wire.CommandRequest:
     """Return the set-point in a message.
 
     Raises:
+        DoubleNameError: The message has a key twice.
         ValueError: The message has no set-point. Errors of pydantic and of both
             decoders are ValueErrors, too.
     """
@@ -301,9 +302,22 @@ def _read(message: bytes | str, form: wire.StreamFormat) -> wire.CommandRequest:
             values = msgspec.msgpack.decode(raw)
         except msgspec.DecodeError as error:
             raise ValueError(f"The message is no msgpack: {error}.") from error
+        if isinstance(values, dict) and _count_of_pairs(raw) != len(values):
+            raise DoubleNameError("has a key twice in one object")
     if isinstance(values, list):
         values = {"command": values}
     return wire.CommandRequest.model_validate(values)
+
+
+def _count_of_pairs(raw: bytes) -> int:
+    """Return the number of keys of a map of msgpack, with those that come twice."""
+    if raw[0] < _MAP_16:
+        return raw[0] & 0x0F
+    return int.from_bytes(raw[1 : 3 if raw[0] == _MAP_16 else 5])
+
+
+_MAP_16 = 0xDE
+"""First byte of a map of msgpack with a 16-bit count; before it are short maps."""
 
 
 def _told(error: StationError | ValueError) -> dict[str, object]:

@@ -8,6 +8,7 @@ import msgspec.msgpack
 import pytest
 from websockets.exceptions import ConnectionClosed
 
+from station.api.json_route import DoubleNameError
 from station.api.streams import command_stream
 from station.client import ApiError, StationClient
 from station.core.clock import SystemClock
@@ -133,6 +134,20 @@ def test_a_refusal_says_what_is_wrong_with_the_message(server, message, said):
     with open_stream(server, TOPIC) as stream:
         stream.send(message)
         assert said in settled(stream, 1)["error"]["detail"]
+
+
+PAIR = msgspec.msgpack.encode("command") + msgspec.msgpack.encode([0.5])
+
+
+@pytest.mark.parametrize("head", [b"\x80", b"\xde" + bytes(2), b"\xdf" + bytes(4)])
+def test_a_key_that_comes_twice_in_msgpack_is_refused(head):
+    def read(pairs):
+        message = head[:-1] + bytes([head[-1] + pairs]) + pairs * PAIR
+        return command_stream._read(message, "msgpack")
+
+    assert read(1).command == [0.5]
+    with pytest.raises(DoubleNameError, match="has a key twice in one object"):
+        read(2)
 
 
 def test_silence_lets_the_set_point_expire(server, station):
