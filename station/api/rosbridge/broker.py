@@ -55,11 +55,13 @@ class ClientTopic(Topic):
         publishers: Clients that publish.
         subscribers: Clients that subscribe.
         latched: Message that a new subscriber gets at once; None without one.
+        is_latching: Whether a publisher lets each message become `latched`.
     """
 
     publishers: set[Outbox] = field(default_factory=set)
     subscribers: set[Outbox] = field(default_factory=set)
     latched: Values | None = None
+    is_latching: bool = False
 
 
 class Offer(NamedTuple):
@@ -310,7 +312,7 @@ class Broker:
         Raises:
             RosTypeError: The message answers no request, or is malformed.
         """
-        op, number = message["op"], str(message.get("id"))
+        op, number = message["op"], str(message["id"])
         pending = self._pending.get(number)
         if pending is None or pending.offer.member is not member:
             raise RosTypeError(f"Nobody waits for '{number:.80}' of yours.")

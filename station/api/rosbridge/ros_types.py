@@ -36,6 +36,8 @@ _MOST_DEPTH = 30
 """Most nested levels of a message whose type only clients know."""
 _MIDDLES = {"msg", "srv", "action"}
 _HEADER = "std_msgs/Header"
+_NOW = "now"
+"""What clients may write for a time; it is 0, which is now for the station."""
 _ACTION_HEAD = "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
 
 
@@ -173,6 +175,23 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
     }
 
 
+def with_time(type_name: str, given: object, values: Values, now: int) -> Values:
+    """Return a checked message whose header has a time.
+
+    Args:
+        type_name: Its type.
+        given: The message as the client sent it, perhaps without a time.
+        values: The checked message.
+        now: The present time [ns since 1970].
+    """
+    if fields_of(type_name).get("header") != Field("header", _HEADER, None):
+        return values
+    head = given.get("header") if isinstance(given, Mapping) else None
+    if (head or {}).get("stamp", _NOW) != _NOW:
+        return values
+    return values | {"header": values["header"] | {"stamp": time_of(now)}}
+
+
 def _check_depth(value: object, where: str, left: int = _MOST_DEPTH) -> None:
     """Refuse a value that is nested too deeply to be written.
 
@@ -191,7 +210,8 @@ def _checked_field(field: Field, value: object, where: str) -> object:
         return _checked_one(field.kind, value, where)
     if field.kind == "uint8" and isinstance(value, str):
         try:
-            value = list(base64.b64decode(value, validate=True))
+            # Base64 of e-mails has line ends.
+            value = list(base64.b64decode("".join(value.split()), validate=True))
         except binascii.Error:
             _refuse(where, value, "base64")
     if not isinstance(value, list):
@@ -200,10 +220,16 @@ def _checked_field(field: Field, value: object, where: str) -> object:
         raise RosTypeError(
             f"'{where}' has {len(value)} values; it must have {field.length}."
         )
-    return [
+    found = [
         _checked_one(field.kind, one, f"{where}/{index}")
         for index, one in enumerate(value)
     ]
+    return _array(field.kind, found)
+
+
+def _array(kind: str, values: list[Any]) -> object:
+    """Return an array; that of uint8 as bytes, which JSON has as base64."""
+    return bytes(values) if kind == "uint8" else values
 
 
 def _checked_one(kind: str, value: object, where: str) -> object:
@@ -252,11 +278,11 @@ def _checked_time(kind: str, value: object, where: str) -> Values:
     Raises:
         RosTypeError: The value is not a time.
     """
-    given = {} if value is None else value
+    given = {} if value is None or value == _NOW else value
     if not isinstance(given, Mapping) or given.keys() - {
         "secs", "nsecs", "sec", "nanosec",
     }:  # fmt: skip
-        _refuse(where, value, f"a {kind}: secs and nsecs, or sec and nanosec")
+        _refuse(where, value, f"a {kind}: secs and nsecs, sec and nanosec, or '{_NOW}'")
     seconds, rest = (
         _checked_integer("int32", given.get(ros1, given.get(ros2)), f"{where}/{ros1}")
         for ros1, ros2 in (("secs", "sec"), ("nsecs", "nanosec"))
@@ -289,7 +315,7 @@ def _shown(value: object) -> str:
 
 def _default(kind: str, length: int | None = None) -> object:
     if length is not None:
-        return [_default(kind) for _ in range(max(length, 0))]
+        return _array(kind, [_default(kind) for _ in range(max(length, 0))])
     if kind in _TIMES:
         return time_of(0)
     if kind in _TYPES:

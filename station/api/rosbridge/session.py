@@ -45,6 +45,7 @@ from station.api.rosbridge.ros_types import (
     filled,
     in_style,
     split_style,
+    with_time,
 )
 from station.api.rosbridge.services import RosService
 from station.api.rosbridge.topics import LATCHED, Topic
@@ -109,6 +110,17 @@ class Message(dict[str, Any]):
 
     def __missing__(self, key: str) -> object:
         raise RosTypeError(f"The message has no field '{key}'.")
+
+    def text(self, key: str) -> str:
+        """Return a text of the message.
+
+        Raises:
+            RosTypeError: The field is missing, or is not a text.
+        """
+        found = self[key]
+        if not isinstance(found, str):
+            raise RosTypeError(f"'{key}' is {found!r:.40}; it must be a text.")
+        return found
 
 
 class RosbridgeSession:
@@ -216,7 +228,7 @@ class RosbridgeSession:
             RosTypeError: The topic is unknown, or it has another type, or its name is
                 one of the station's.
         """
-        name, kind = path_of(message["topic"]), str(message.get("type") or "")
+        name, kind = path_of(message.text("topic")), str(message.get("type") or "")
         try:
             found: Topic = self._graph.find("topics", name, kind)
         except RosTypeError as error:
@@ -256,7 +268,9 @@ class RosbridgeSession:
 
     async def do_advertise(self, message: Message) -> None:
         """Publish to a topic from now on."""
-        self._writable(message)
+        topic = self._writable(message)
+        if isinstance(topic, ClientTopic):
+            topic.is_latching |= bool(message.get("latch"))
 
     def _writable(self, message: Message) -> Topic:
         """Return a topic to which clients may publish.
@@ -280,7 +294,10 @@ class RosbridgeSession:
         topic = self._writable(message)
         values = checked(topic.type, message.get("msg"))
         if isinstance(topic, ClientTopic):
-            topic.latched = values if message.get("latch") else topic.latched
+            now = self._graph.clock.now()
+            values = with_time(topic.type, message.get("msg"), values, now)
+            is_latched = topic.is_latching or message.get("latch")
+            topic.latched = values if is_latched else topic.latched
         with self._client.changing(
             f"publish {topic.name}", changes=topic.changes, free=1
         ):
@@ -288,20 +305,20 @@ class RosbridgeSession:
 
     async def do_unadvertise(self, message: Message) -> None:
         """End the publication to a topic."""
-        name = path_of(message["topic"])
+        name = path_of(message.text("topic"))
         self._graph.broker.leave_topic(name, self.outbox, "publishers")
 
     async def do_advertise_service(self, message: Message) -> None:
         """Offer a service or an action to the other clients."""
         kind = message["op"].rpartition("_")[2]
-        name, type_name = str(message[kind]), str(message.get("type"))
+        name, type_name = message.text(kind), message.text("type")
         found = self._graph.broker.offer(f"{kind}s", name, type_name, self.outbox)
         self._client.record(f"offer of {found.name}", "done", is_done=True, free=1)
 
     async def do_unadvertise_service(self, message: Message) -> None:
         """Withdraw a service or an action."""
         kind = message["op"].rpartition("_")[2]
-        self._graph.broker.take_back(f"{kind}s", str(message[kind]), self.outbox)
+        self._graph.broker.take_back(f"{kind}s", message.text(kind), self.outbox)
 
     async def do_service_response(self, message: Message) -> None:
         """Pass on the answer to a call or a goal of another client."""
@@ -325,7 +342,7 @@ class RosbridgeSession:
             RosTypeError: The client has too many subscriptions, or an option is not
                 allowed.
         """
-        name, identifier = path_of(message["topic"]), str(message.get("id"))
+        name, identifier = path_of(message.text("topic")), str(message.get("id"))
         form = _form_of(message, message.get("type"), COMPRESSIONS)
         throttle = _number(message, "throttle_rate", 3_600_000) / 1e3
         length = _number(message, "queue_length", MOST_QUEUED)
@@ -361,7 +378,7 @@ class RosbridgeSession:
 
     async def do_unsubscribe(self, message: Message) -> None:
         """End a subscription to a topic, or all of them."""
-        topic, identifier = path_of(message["topic"]), message.get("id")
+        topic, identifier = path_of(message.text("topic")), message.get("id")
         one = self.outbox.subscriptions.get(topic)
         if one is None:
             return
@@ -374,14 +391,17 @@ class RosbridgeSession:
 
     async def do_call_service(self, message: Message) -> None:
         """Call a service and answer with its response."""
-        name, identifier = str(message.get("service")), message.get("id")
-        form = Form()
+        written, form = message.get("service"), Form()
+        # Old clients write the identifier behind the name.
+        name, _, old = str(written).partition("#")
+        identifier = message.get("id", old or None)
 
         def answer(values: object, *, result: bool = False) -> None:
-            head = {"op": "service_response", "service": name, "result": result}
+            head = {"op": "service_response", "service": written, "result": result}
             self.outbox.answer({**head, "values": values}, identifier, form)
 
         with self._told(identifier, answer):
+            message.text("service")
             form = _form_of(message, message.get("type"), TEXT_COMPRESSIONS)
             service: RosService | Offer = self._graph.find("services", name)
             args = _named(service.type, message.get("args"))
@@ -440,6 +460,7 @@ class RosbridgeSession:
             # The operation belongs to ROS 2, but the type may have the style of ROS 1.
             kind = message.get("action_type")
             form = _form_of(message, kind or "/action/", TEXT_COMPRESSIONS)
+            message.text("action")
             action: Action | Offer = self._graph.find("actions", name, str(kind or ""))
             broker, args = self._graph.broker, message.get("args")
             if isinstance(action, Offer):
@@ -455,7 +476,7 @@ class RosbridgeSession:
     async def do_cancel_action_goal(self, message: Message) -> None:
         """Cancel a goal that the client has sent."""
         with self._told(message.get("id")):
-            await self._cancel_of(str(message.get("id")))()
+            await self._cancel_of(str(message["id"]))()
 
     def _cancel_of(self, identifier: str) -> Callable[[], Awaitable[None]]:
         """Return the function that cancels a goal of the client.

@@ -1,5 +1,7 @@
 """What clients offer to each other, and what they may not take."""
 
+import base64
+
 import pytest
 
 from station.api.rosbridge.broker import MOST_OFFERS
@@ -92,9 +94,43 @@ def test_what_is_latched_comes_to_who_subscribes_later(two):
     one, other = two
     kind = "std_msgs/String"
     one.send("advertise", topic="/map", type=kind, latch=True)
-    one.send("publish", topic="/map", msg={"data": "x"}, latch=True)
+    one.send("publish", topic="/map", msg={"data": "x"})
     settled(one)
     assert other.subscribe("/map")["msg"] == {"data": "x"}
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"header": {}},
+        {"header": {"frame_id": "map"}},
+        {"header": {"stamp": "now"}},
+    ],
+)
+def test_a_header_without_a_time_gets_the_present_one(two, given):
+    # ROSBRIDGE_PROTOCOL.md 3.3.3 and rosbridge_library's test_message_conversion.py
+    one, other = two
+    kind = "geometry_msgs/PointStamped"
+    other.send("subscribe", topic="/point", type=kind)
+    settled(other)
+    one.send("advertise", topic="/point", type=kind)
+    one.send("publish", topic="/point", msg=given)
+    found = other.until("publish", topic="/point")["msg"]["header"]
+    now = other.values("/rosapi/get_time")["time"]["secs"]
+    assert now - 5 <= found["stamp"]["secs"] <= now
+    assert found["frame_id"] == given.get("header", {}).get("frame_id", "")
+
+
+def test_bytes_are_base64_with_or_without_line_ends(two):
+    one, other = two
+    kind = "sensor_msgs/CompressedImage"
+    other.send("subscribe", topic="/image", type=kind)
+    settled(other)
+    one.send("advertise", topic="/image", type=kind)
+    one.send("publish", topic="/image", msg={"data": "AQID\nBAU=\n"})
+    found = other.until("publish", topic="/image")["msg"]["data"]
+    assert base64.b64decode(found) == bytes([1, 2, 3, 4, 5])
 
 
 def test_a_service_of_one_client_is_called_by_another(two):

@@ -240,7 +240,7 @@ REFUSED = {
         {"op": "publish", "topic": "/pose/command", "msg": {"data": [1.0, 2.0]}},
         "initialized",
     ),
-    "no type": ({"op": "advertise_service", "service": "/x"}, "'None' is no type"),
+    "no type": ({"op": "advertise_service", "service": "/x"}, "no field 'type'"),
     "taken": (
         {"op": "advertise_service", "service": "/stop/x", "type": "std_srvs/Empty"},
         "a name of the station",
@@ -294,6 +294,35 @@ def test_what_is_wrong_is_named_in_a_status(client, case):
 def test_a_key_that_comes_twice_is_refused(client, text, key):
     client.socket.send(text)
     assert f"has the key '{key}' twice" in client.until("status")["msg"]
+
+
+@pytest.mark.parametrize(
+    ("message", "told"),
+    [
+        # rosbridge_library's tests of missing and of invalid arguments
+        ({"op": "advertise", "topic": 3, "type": "std_msgs/String"}, "'topic' is 3"),
+        ({"op": "publish", "topic": 3}, "'topic' is 3"),
+        ({"op": "subscribe", "topic": 3}, "'topic' is 3"),
+        ({"op": "call_service"}, "no field 'service'"),
+        ({"op": "call_service", "service": 3}, "'service' is 3"),
+        ({"op": "advertise_service", "type": 42, "service": None}, "'service' is None"),
+        ({"op": "advertise_service", "type": 42, "service": "/x/y"}, "'type' is 42"),
+        ({"op": "advertise_action", "type": 42, "action": None}, "'action' is None"),
+        ({"op": "service_response"}, "no field 'id'"),
+        ({"op": "action_result"}, "no field 'id'"),
+        ({"op": "send_action_goal", "action_type": "a/b"}, "no field 'action'"),
+        ({"op": "cancel_action_goal"}, "no field 'id'"),
+    ],
+)
+def test_a_missing_or_wrong_name_is_told_as_such(client, message, told):
+    client.send(**message)
+    assert told in client.until("status")["msg"]
+
+
+def test_an_identifier_may_stand_behind_the_name_of_a_service(client):
+    client.send("call_service", service="/rosapi/get_time#33")
+    found = client.until("service_response", id="33")
+    assert (found["service"], found["result"]) == ("/rosapi/get_time#33", True)
 
 
 def test_a_wrong_request_of_a_service_is_named(client):
