@@ -110,8 +110,9 @@ class ToolClient:
                     remedy="Connect with another token.",
                 )
             if not self.access.role.includes(Role.OPERATOR):
+                who = "An agent" if self.access.role is Role.AGENT else "A viewer"
                 raise ChangeRefusedError(
-                    "A viewer may look, but not change anything.",
+                    f"{who} may look, but not change anything over {self._tool}.",
                     remedy="Connect with ?token=… of an operator.",
                 )
             self.services.control.check(self.access, self.lease)

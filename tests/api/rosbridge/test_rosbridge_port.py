@@ -52,6 +52,16 @@ def test_nobody_changes_anything_who_may_not(serve, station, change, query, why)
     assert not station.parameters.has("pose/a")
 
 
+def test_an_agent_is_told_that_it_only_looks_here(serve):
+    api, url = serve()
+    with StationClient(api, OPERATOR) as owner:
+        token = owner.tokens.create("tuner", "agent").token
+        with RosClient(f"{url}?token={token}") as client:
+            client.send("call_service", service=SWITCH)
+            told = client.until("status")["msg"]
+    assert "An agent may look, but not change anything over rosbridge." in told
+
+
 def test_the_holder_of_control_commands_and_the_event_says_who(app, serve):
     api, url = serve()
     with StationClient(api, OPERATOR) as owner:
