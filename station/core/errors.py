@@ -99,6 +99,16 @@ def show(value: object) -> str:
     return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 1]}…"
 
 
+def counted(number: int, word: str) -> str:
+    """Return a number with its noun: `1 joint`, `2 joints`.
+
+    Args:
+        number: The number.
+        word: The noun in the singular, whose plural has an s.
+    """
+    return f"{number} {word}" if number == 1 else f"{number} {word}s"
+
+
 def suggest(name: str, known: Iterable[str]) -> str:
     """Return a sentence about known names that resemble `name`.
 

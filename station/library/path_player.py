@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from station.core.control.controller_manager import ControllerManager
-from station.core.errors import PathRefusedError, StationError
+from station.core.errors import PathRefusedError, StationError, counted
 from station.core.facade.motion_commands import MotionCommands
 from station.core.loop.control_loop import ControlLoop
 from station.core.ports.command_ticket import CommandTicket
@@ -181,7 +181,8 @@ class PathPlayer:
         last = len(path.waypoints) - 1 if options.last is None else options.last
         if not 0 <= options.first <= last < len(path.waypoints):
             raise PathRefusedError(
-                f"The path '{name}' has {len(path.waypoints)} waypoints; asked for "
+                f"The path '{name}' has "
+                f"{counted(len(path.waypoints), 'waypoint')}; asked for "
                 f"were those from {options.first} to {last}, counted from 0.",
                 remedy="Capture waypoints first, or name those there are.",
             )

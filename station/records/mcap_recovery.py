@@ -20,7 +20,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import Channel, DataEnd, Footer, Header, MessageIndex, Statistics
 
-from station.core.errors import RecordingFileError, RecordingRefusedError
+from station.core.errors import RecordingFileError, RecordingRefusedError, counted
 from station.core.user_files import open_regular
 from station.records.mcap_scan import HEAD, MAGIC, Chunk, Content, McapScan, Span
 from station.records.messages import CYCLE
@@ -94,7 +94,7 @@ class Recovered:
             if self.lost_messages is None:
                 count = "An unknown number of messages"
             else:
-                count = f"{self.lost_messages} messages"
+                count = counted(self.lost_messages, "message")
             sentences.append(f"{count} are lost: {times}.")
         if self.dropped:
             dropped = f"{self.dropped} bytes were cut off, which were not whole."

@@ -9,6 +9,7 @@ from hypothesis import given, strategies as st
 from station.core import errors
 from station.core.errors import (
     ConfigError,
+    counted,
     describe,
     key_text,
     printable,
@@ -77,6 +78,11 @@ def test_details_are_a_copy():
 
     assert error.details == {"a": 1}
     assert error.remedy == "y"
+
+
+@pytest.mark.parametrize(("number", "text"), [(0, "0 joints"), (1, "1 joint")])
+def test_one_has_no_plural(number, text):
+    assert counted(number, "joint") == text
 
 
 def test_a_few_names_are_all_listed_and_the_likely_one_is_asked_for():

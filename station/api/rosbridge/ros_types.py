@@ -21,7 +21,7 @@ from typing import Any, NoReturn, TypeGuard
 
 from typing_extensions import override
 
-from station.core.errors import StationError, suggest
+from station.core.errors import StationError, counted, suggest
 from station.records.cdr import Field, Values, Writer, read_fields
 from station.records.messages import header
 
@@ -218,7 +218,8 @@ def _checked_field(field: Field, value: object, where: str) -> object:
         _refuse(where, value, f"a list of {field.kind}")
     if field.length not in {-1, len(value)}:
         raise RosTypeError(
-            f"'{where}' has {len(value)} values; it must have {field.length}."
+            f"'{where}' has {counted(len(value), 'value')}; it must have "
+            f"{field.length}."
         )
     found = [
         _checked_one(field.kind, one, f"{where}/{index}")

@@ -10,6 +10,7 @@ from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table, number, say
 from station.cli.parser import read_number, unique
+from station.core.errors import counted
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -146,7 +147,7 @@ def _save(client: "StationClient", options: Namespace) -> int:
     saved = client.gain_sets.save(options.name, options.words or None)
     count = sum(len(values) for values in saved.gains.values())
     names = ", ".join(saved.gains) or "no controller"
-    return answer(options, saved, f"Saved {count} gains of {names}.")
+    return answer(options, saved, f"Saved {counted(count, 'gain')} of {names}.")
 
 
 def _diff(client: "StationClient", options: Namespace) -> int:

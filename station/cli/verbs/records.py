@@ -8,7 +8,7 @@ from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, answer_table
 from station.cli.parser import check_words
-from station.core.errors import RecordingRefusedError
+from station.core.errors import RecordingRefusedError, counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -138,9 +138,11 @@ def recover_file(options: Namespace) -> int:
         "lost_messages": found.lost_messages,
         "losses": list(found.losses),
     }
-    line = f"The file is whole: {found.messages} messages. Nothing was changed."
+    line = (
+        f"The file is whole: {counted(found.messages, 'message')}. Nothing was changed."
+    )
     if found.is_changed:
-        line = f"Recovered {found.messages} messages. {found.text()}"
+        line = f"Recovered {counted(found.messages, 'message')}. {found.text()}"
     return answer(options, summary, line)
 
 

@@ -7,7 +7,7 @@ from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import answer, say, say_json
 from station.cli.parser import check_words, unique
-from station.core.errors import suggest
+from station.core.errors import counted, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -156,7 +156,8 @@ def scene(options: Namespace) -> int:
         if action in {"save", "delete"}:
             kept = getattr(client.scenes, action)(name)
             word = "saved" if action == "save" else "deleted"
-            line = f"The scene '{name}' with {len(kept.objects)} objects is {word}."
+            content = counted(len(kept.objects), "object")
+            line = f"The scene '{name}' with {content} is {word}."
             return answer(options, kept, line)
         if action == "remove":
             client.remove_object(name)

@@ -378,8 +378,7 @@ class ControllerManager:
             names = [loaded.info.name for loaded in self.lifecycle.loaded]
             if names and not force_kill:
                 raise ControllerStateError(
-                    f"Cannot reload: {len(names)} controllers are loaded: "
-                    f"{', '.join(names)}.",
+                    f"Cannot reload while controllers are loaded: {', '.join(names)}.",
                     remedy="Unload them first, or set force_kill.",
                     details={"loaded": names},
                 )

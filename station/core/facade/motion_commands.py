@@ -15,6 +15,7 @@ from station.core.errors import (
     InvalidTrajectoryError,
     StaleEpochError,
     StationError,
+    counted,
     show,
 )
 from station.core.facade.input_log import InputLog
@@ -160,8 +161,8 @@ class MotionCommands:
             raise InvalidCommandError(
                 f"The command for '{name}' leaves elements out, which cannot be "
                 "filled in.",
-                remedy=f"Send {size} values, each a number or null, once the "
-                "controller has run for a cycle.",
+                remedy=f"Send {counted(size, 'value')}, each a number or null, once "
+                "the controller has run for a cycle.",
                 details={"expected": [element.name for element in port.elements]},
             )
         return [

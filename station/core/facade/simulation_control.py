@@ -6,7 +6,7 @@ Controllers stay loaded and running; commands from before a reset are void.
 import math
 from collections.abc import Mapping
 
-from station.core.errors import ParameterError, SimulationError, suggest
+from station.core.errors import ParameterError, SimulationError, counted, suggest
 from station.core.facade.input_log import InputLog
 from station.core.hardware.limits import JointLimits
 from station.core.hardware.robot_hw import SimulatedWorld
@@ -109,8 +109,8 @@ class SimulationControl:
         self.report()
         if not 1 <= cycles <= MOST_STEPS:
             raise ParameterError(
-                f"A step of {cycles} cycles is not possible; allowed are 1 to "
-                f"{MOST_STEPS}.",
+                f"A step of {counted(cycles, 'cycle')} is not possible; allowed are 1 "
+                f"to {MOST_STEPS}.",
                 remedy="Step several times, or resume the simulation.",
                 details={"n": cycles},
             )

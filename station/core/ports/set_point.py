@@ -15,6 +15,7 @@ from station.core.declared_parameter import (
 from station.core.errors import (
     CommandTimeoutError,
     InvalidCommandError,
+    counted,
     is_number,
     refuse_non_number,
 )
@@ -453,7 +454,7 @@ def _check_values(elements: list[SetPointElement], values: list[float]) -> None:
     if len(values) != len(elements):
         names = ", ".join(element.name for element in elements)
         raise InvalidCommandError(
-            f"The command has {len(values)} values; this controller takes "
+            f"The command has {counted(len(values), 'value')}; this controller takes "
             f"{len(elements)}: {names}.",
             remedy="Send one number per element, in that order.",
             details={"expected": [e.name for e in elements]},

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import isfinite, pi
 
-from station.core.errors import InvalidTrajectoryError
+from station.core.errors import InvalidTrajectoryError, counted
 from station.core.numerics.joint_errors import shortest_angular_distance
 from station.core.ports.goal import Goal
 from station.core.trajectory.quintic_spline_segment import (
@@ -117,7 +117,8 @@ class JointTrajectory:
         for what, values in columns.items():
             if len(values) != size and (values or what == "positions"):
                 raise InvalidTrajectoryError(
-                    f"Point {index} has {len(values)} {what} for {size} joints.",
+                    f"Point {index} has {len(values)} {what} for "
+                    f"{counted(size, 'joint')}.",
                     remedy=f"Give {size} {what}, in the order of joint_names.",
                     details={"point": index, "reason": "size"},
                 )

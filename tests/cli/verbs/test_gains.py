@@ -81,7 +81,7 @@ def test_a_file_that_cannot_be_written_costs_nothing(run, tmp_path):
 @pytest.mark.parametrize(
     ("line", "call", "words"),
     [
-        ("save stiff", ("save", "stiff", None), "Saved 1 gains of arm."),
+        ("save stiff", ("save", "stiff", None), "Saved 1 gain of arm."),
         ("save stiff arm", ("save", "stiff", ["arm"]), "Saved 1"),
         ("load stiff", ("apply", "stiff", None), "j1/p  5       600"),
         ("load stiff arm", ("apply", "stiff", ["arm"]), "j1/p  5       600"),

@@ -66,7 +66,7 @@ def test_an_unknown_word_of_attach_is_refused(run, asked, words, reason):
 
 
 def test_scenes_are_saved_listed_loaded_and_deleted(run, asked):
-    assert "'cell' with 1 objects is saved" in run("scene save cell").out
+    assert "'cell' with 1 object is saved" in run("scene save cell").out
     assert run("scene saved").out == "cell\n"
     loaded = run("scene load cell").out
     assert loaded == "cube: box, object, at 0.500, 0.000, 0.100 m, carried by panda\n"

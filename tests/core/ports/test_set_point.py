@@ -54,9 +54,12 @@ def test_the_set_point_in_force_is_the_one_posted_last_until_it_ends(port, clock
     assert port.newest is None
 
 
-@pytest.mark.parametrize("values", [[0.0], [0.0, 0.0, 0.0], []])
-def test_a_wrong_length_is_refused(port, values):
-    with pytest.raises(InvalidCommandError, match="takes 2: a, b"):
+@pytest.mark.parametrize(
+    ("values", "count"),
+    [([0.0], "1 value"), ([0.0, 0.0, 0.0], "3 values"), ([], "0 values")],
+)
+def test_a_wrong_length_is_refused(port, values, count):
+    with pytest.raises(InvalidCommandError, match=f"has {count}; .* takes 2: a, b"):
         port.check(values)
 
 

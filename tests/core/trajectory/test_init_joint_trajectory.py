@@ -135,8 +135,8 @@ def _points(*positions):
 @pytest.mark.parametrize(
     ("point", "message"),
     [
-        (JointTrajectoryPoint([1.0, 2.0]), "2 positions for 1 joints"),
-        (JointTrajectoryPoint([]), "0 positions for 1 joints"),
+        (JointTrajectoryPoint([1.0, 2.0]), "2 positions for 1 joint"),
+        (JointTrajectoryPoint([]), "0 positions for 1 joint"),
         (JointTrajectoryPoint([1.0], [1.0, 1.0]), "2 velocities for 1"),
         (JointTrajectoryPoint([1.0], [], [1.0, 1.0]), "2 accelerations for 1"),
         (JointTrajectoryPoint([float("nan")]), "nan among its positions, for 'a'"),
