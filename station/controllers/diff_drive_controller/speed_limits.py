@@ -15,7 +15,6 @@ from station.core.declared_parameter import (
 )
 from station.core.errors import ParameterError, show
 from station.core.parameters import Parameters
-from station.core.toolbox.rate_limiter import RateLimiter
 
 _KINDS = ("velocity", "acceleration", "jerk")
 _SIGNS = {
@@ -31,6 +30,49 @@ _ROS2_RATES = {
     "max_acceleration_reverse": "smallest acceleration from 0 on backwards, <= 0",
     "max_deceleration_reverse": "largest acceleration while it drives backwards, >= 0",
 }
+
+
+@dataclass(frozen=True, slots=True)
+class RateLimiter:
+    """Limits of one value, as control_toolbox has them; infinite where there is none.
+
+    Attributes:
+        value: Smallest and largest value.
+        rate: Smallest and largest rate for a value above 0: braking and speeding up.
+        reverse_rate: The same for a value below 0: speeding up and braking. At 0 the
+            value may speed up both ways.
+        jerk: Smallest and largest change of the rate. It counts only while the value
+            speeds up.
+
+    Source:
+        control_toolbox@6.x rate_limiter.hpp, RateLimiter.
+    """
+
+    value: tuple[float, float] = (-inf, inf)
+    rate: tuple[float, float] = (-inf, inf)
+    reverse_rate: tuple[float, float] = (-inf, inf)
+    jerk: tuple[float, float] = (-inf, inf)
+
+    def limit(self, wanted: float, last: float, before: float, period: float) -> float:
+        """Return the value nearest to the wanted one that respects the limits.
+
+        Args:
+            wanted: The wanted value.
+            last: The value of the last cycle.
+            before: The value of the cycle before that.
+            period: Duration of a cycle [s], > 0.
+        """
+        change, change_before = wanted - last, last - before
+        if self.jerk != (-inf, inf) and (change - change_before) * change > 0.0:
+            square = period * period
+            bend = _clamp(change - change_before, self.jerk, square)
+            change = change_before + bend
+        rate = self.rate if last > 0.0 else self.reverse_rate
+        if last == 0.0:
+            rate = (self.reverse_rate[0], self.rate[1])
+        if rate != (-inf, inf):
+            change = _clamp(change, rate, period)
+        return _clamp(last + change, self.value, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +229,10 @@ def _below(params: Parameters, axis: str) -> Parameters:
                 details={"parameter": params.resolve(key)},
             )
     return params.namespace(axis)
+
+
+def _clamp(value: float, bounds: tuple[float, float], factor: float) -> float:
+    return min(max(value, bounds[0] * factor), bounds[1] * factor)
 
 
 def _clamp(value: float, bounds: tuple[float, float], factor: float) -> float:

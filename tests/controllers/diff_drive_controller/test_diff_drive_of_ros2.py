@@ -9,8 +9,8 @@ from math import cos, nan, sin
 import numpy as np
 import pytest
 
+from station.controllers.diff_drive_controller.speed_limits import RateLimiter
 from station.core.errors import StationError
-from station.core.toolbox.rate_limiter import RateLimiter
 from station.testing import Bench
 from tests.controllers.diff_drive_controller.test_diff_drive_controller import (
     commands,
