@@ -233,7 +233,3 @@ def _below(params: Parameters, axis: str) -> Parameters:
 
 def _clamp(value: float, bounds: tuple[float, float], factor: float) -> float:
     return min(max(value, bounds[0] * factor), bounds[1] * factor)
-
-
-def _clamp(value: float, bounds: tuple[float, float], factor: float) -> float:
-    return min(max(value, bounds[0] * factor), bounds[1] * factor)

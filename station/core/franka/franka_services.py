@@ -101,6 +101,17 @@ class ArmSimulation(ABC):
         """
 
     @abstractmethod
+    def set_state_precision(self, *, is_single: bool) -> None:
+        """Say how precisely whoever commands the arm sees its state.
+
+        A command that continues a rounded state is off by its rounding, and so may be
+        beyond a limit by that much.
+
+        Args:
+            is_single: Whether in single precision, and not in double.
+        """
+
+    @abstractmethod
     def apply_force(
         self,
         link: str,

@@ -126,7 +126,7 @@ class ArmModes(ArmSimulation):
         self._motion = parts.motion
         self._memory = parts.memory
         self._positions = parts.memory.positions
-        self._step = parts.step
+        self._step, self._check = parts.step, parts.check
         self._motors = parts.motors
         self._frames = parts.frames
         self._limits, self._service_limits = parts.limits, service_limits
@@ -410,6 +410,11 @@ class ArmModes(ArmSimulation):
         if not closed and mode is RobotMode.OTHER and not has_diverged:
             has_errors = bool(self._supervisor.errors)
             self._state.robot_mode = RobotMode.REFLEX if has_errors else RobotMode.IDLE
+
+    @override
+    def set_state_precision(self, *, is_single: bool) -> None:
+        """Allow what rounding of the state adds to commands at their limits."""
+        self._check.set_precision(is_single=is_single)
 
     @override
     def apply_force(

@@ -174,7 +174,7 @@ class ArmParts:
             deceleration=limits.acceleration,
             period=period,
         )
-        check = MotionCheck(memory, limits, period)
+        self.check = check = MotionCheck(memory, limits, period)
         joint_motors = JointMotors(memory, simulator, period)
         self.motors = ArmMotors(joints, state, memory, joint_motors)
         self.load = ArmLoad(gravity)

@@ -3,7 +3,7 @@ from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.simulated.violations cimport Violations
 from station.memory.functions cimport square_root
 
-cdef double _ROUNDING, _UNSEEN
+cdef double _ROUNDING
 
 cdef class MotionCheck:
     cdef readonly Py_ssize_t size
@@ -13,7 +13,7 @@ cdef class MotionCheck:
     cdef VelocityCurves curves
     cdef double[::1] before, lower, upper, slowest, fastest, acceleration, jerk
     cdef double[::1] translation, rotation, elbow, reached
-    cdef double torque_step, period
+    cdef double torque_step, period, unseen
     cpdef Py_ssize_t check_positions(self, int code)
     cpdef Py_ssize_t check_velocities(self)
     cdef Py_ssize_t check_joints(self, double[::1] q, double[::1] dq, int code)

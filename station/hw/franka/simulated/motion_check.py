@@ -21,7 +21,7 @@ from station.hw.franka.simulated.violations import (
     TRANSLATION_VELOCITY,
     Violations,
 )
-from station.memory.doubles import Doubles, Storage, own, own_zeros
+from station.memory.doubles import Doubles, Storage, own, own_zeros, put
 from station.memory.functions import square_root
 
 START_POSITION_TOLERANCE = 0.01
@@ -67,16 +67,27 @@ class MotionCheck:
         room = _AT_VELOCITY_LIMIT
         self.slowest = own([-value - room for value in limits.velocity])
         self.fastest = own([value + room for value in limits.velocity])
-        rate, jerk = _UNSEEN / period**2, _UNSEEN / period**3
-        self.acceleration = own([a * _ROUNDING + rate for a in limits.acceleration])
-        self.jerk = own([value * _ROUNDING + jerk for value in limits.jerk])
+        self.acceleration = own_zeros(memory.size)
+        self.jerk = own_zeros(memory.size)
         self.translation = own(limits.translation.bounds())
         self.rotation = own(limits.rotation.bounds())
         self.elbow = own(limits.elbow.bounds())
-        self.torque_step = limits.torque_rate * period + _UNSEEN_TORQUE
         self.period = period
         self.reached = own_zeros(memory.size)
         self.violations = Violations()
+        self.set_precision(is_single=False)
+
+    def set_precision(self, *, is_single: bool) -> None:
+        """Say in which precision the commander sees the state; double at the start."""
+        limits, period = self.limits, self.period
+        self.unseen = unseen = _UNSEEN if is_single else 0.0
+        rate, jerk = unseen / period**2, unseen / period**3
+        put(self.acceleration, [a * _ROUNDING + rate for a in limits.acceleration])
+        put(self.jerk, [value * _ROUNDING + jerk for value in limits.jerk])
+        # With room for the rounding of a difference.
+        self.torque_step = limits.torque_rate * period * (1.0 + 1e-9)
+        if is_single:
+            self.torque_step += _UNSEEN_TORQUE
 
     def check_start(self) -> int:
         """Compare the first positions of a motion, in `target`, with `q_d`."""
@@ -252,7 +263,7 @@ class MotionCheck:
             jerk: Jerk [m/s^3 or rad/s^3].
             bounds: Limits of velocity, acceleration and jerk.
         """
-        violations, room = self.violations, _UNSEEN / self.period / self.period
+        violations, room = self.violations, self.unseen / self.period / self.period
         if abs(velocity) > bounds[0] * _ROUNDING:
             violations.add(TRANSLATION_VELOCITY + first, 0, velocity, bounds[0])
         if abs(acceleration) > bounds[1] * _ROUNDING + room:

@@ -364,6 +364,11 @@ class RobotSession(ClientSession[Command]):
         super()._speak(protocol)
         self._writer = StateWriter(self._arm, protocol)
 
+    def _tell_precision(self, *, is_single: bool) -> None:
+        simulation = self._arm.simulation()
+        if simulation is not None:
+            simulation.set_state_precision(is_single=is_single)
+
     def _start_motion(self, request: Request[Command]) -> bytes:
         values, self._waiting = request.values, None
         if problem := self._problem_of(values):
@@ -381,6 +386,7 @@ class RobotSession(ClientSession[Command]):
         if (state := self._arm.state).robot_mode is RobotMode.IDLE and any(state.dq_d):
             self._waiting = request
             return b""
+        self._tell_precision(is_single=self._protocol.is_single)
         self._arm.start_motion(
             ControllerMode[controller.name], MotionGeneratorMode[generator.name]
         )
@@ -464,7 +470,10 @@ class RobotSession(ClientSession[Command]):
         self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
         self._command, self._is_finishing = None, False
         self._fastest = None
-        return b"" if request is None else self._say(request, status)
+        if request is None:
+            return b""
+        self._tell_precision(is_single=False)
+        return self._say(request, status)
 
     def _send(self, command: Mapping[str, Any]) -> None:
         """Pass a command on to the arm.

@@ -163,6 +163,7 @@ class FciProtocol(Generic[CommandT]):
             A hand gets none, and has nothing of what follows.
         generators: The motion generators that a `MOVE` may ask for.
         merged_errors: Errors in whose place the version has `MERGED_INTO`.
+        is_single: Whether the state has single precision.
     """
 
     device: str
@@ -175,6 +176,7 @@ class FciProtocol(Generic[CommandT]):
     command: Structure
     generators: Sequence[MoveGenerator] = ()
     merged_errors: Sequence[str] = ()
+    is_single: bool = False
 
 
 RobotProtocol: TypeAlias = FciProtocol[Command]
@@ -356,6 +358,7 @@ def _protocol(version: int) -> RobotProtocol:
         command=_structure(version, _COMMAND),
         generators=tuple(one for one in MoveGenerator if _has(version, one.name)),
         merged_errors=() if _has(version, "position limits") else _POSITION_LIMITS,
+        is_single=number == "f",
     )
 
 

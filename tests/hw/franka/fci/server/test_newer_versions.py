@@ -35,6 +35,25 @@ def client():
     return connected(10)
 
 
+@pytest.mark.parametrize(("version", "is_single"), [(9, False), (10, True)])
+def test_limits_allow_for_single_precision_while_such_a_client_moves(
+    monkeypatch, version, is_single
+):
+    said = []
+
+    class Simulation:
+        def set_state_precision(self, *, is_single):
+            said.append(is_single)
+
+    monkeypatch.setattr(ScriptedArm, "simulation", lambda _: Simulation())
+    client = connected(version)
+    assert client.move() == [Status.MOTION_STARTED]
+    client.cycle()
+    assert said == [is_single]
+    client.session.close()
+    assert said == [is_single, False]
+
+
 @pytest.fixture
 def planning(client):
     """A client whose asynchronous motion has begun."""
