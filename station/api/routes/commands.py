@@ -14,7 +14,7 @@ from station.api.dependencies import (
     StationDep,
 )
 from station.api.errors import ProblemError
-from station.api.routes.rehearsals import ByRehearsalDep
+from station.api.routes.rehearsals import ByRehearsalDep, is_hold
 from station.api.routes.routing import ApiRouter, change, problems, routes_of
 from station.core.control import controller as core_controller
 from station.wire import CommandAccepted, CommandInfo, CommandRequest, ControllerSample
@@ -46,7 +46,7 @@ def put_command(
     """
     values, timeout, rates = request.command, request.timeout, request.rates
     command = {"name": name, "values": values, "timeout": timeout, "rates": rates}
-    with by_rehearsal.giving("set_point", **command) as certified:
+    with by_rehearsal.giving("set_point", command) as certified:
         ticket = certified or station.motion.ticket()
         # Check again, because control may have changed hands since the check of the
         # request.
@@ -110,7 +110,7 @@ def submit_goal(
     nothing resumes it.
     """
     admit = partial(services.control.admit, access, key, name)
-    with by_rehearsal.giving("goal", name=name, request=request.goal) as ticket:
+    with by_rehearsal.giving("goal", {"name": name, "request": request.goal}) as ticket:
         found = station.motion.submit_goal(
             name, request.goal, request.epoch, admit, ticket
         )
@@ -156,14 +156,15 @@ def follow_trajectory(
     the joints stop and hold.
     """
     trajectory = request.trajectory
-    with by_rehearsal.giving("trajectory", name=name, request=trajectory) as certified:
+    moves, command = not is_hold(trajectory), {"name": name, "request": trajectory}
+    with by_rehearsal.giving("trajectory", command, moves=moves) as certified:
         ticket = certified or station.motion.ticket()
         epoch = station.motion.follow_trajectory(
             name,
             trajectory,
             request.epoch,
             ticket,
-            partial(services.control.admit, access, key, name),
+            partial(services.control.admit, access, key, name, is_bounded=not moves),
         )
     return wire.CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(ticket))
 

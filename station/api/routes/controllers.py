@@ -80,7 +80,8 @@ def switch_controllers(
     if request.strictness == "strict":
         for name in (*request.start, *request.stop):
             station.controller(name)  # an unknown name gives 404, not a conflict
-    with by_rehearsal.giving("switch", start=request.start, stop=request.stop):
+    command = {"start": request.start, "stop": request.stop}
+    with by_rehearsal.giving("switch", command, moves=False):
         result = station.switch_controllers(
             switching.SwitchRequest(
                 start=tuple(request.start),

@@ -118,7 +118,7 @@ def play_waypoint_path(
     """
     wanted = request or wire.PlayRequest()
     options = wanted.model_dump()
-    with by_rehearsal.giving("path", path=name, options=options) as ticket:
+    with by_rehearsal.giving("path", {"path": name, "options": options}) as ticket:
         return services.path_player.play(name, PlayOptions(**options), ticket)
 
 

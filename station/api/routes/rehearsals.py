@@ -1,6 +1,6 @@
 """Rehearsals: forecasts of commands, and certificates for rehearsed commands."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Annotated
 
@@ -98,23 +98,31 @@ class ByRehearsal:
         self._certificate = certificate
 
     @contextmanager
-    def giving(self, kind: str, **command: object) -> Iterator[CommandTicket | None]:
+    def giving(
+        self, kind: str, command: Mapping[str, object], *, moves: bool = True
+    ) -> Iterator[CommandTicket | None]:
         """Give a command in the body of a `with`, which must not wait for the robot.
 
         Args:
             kind: Kind of the command, as in a step of a rehearsal.
             command: Arguments of the command, as in the step.
+            moves: Whether the command can move the robot, and so may need a rehearsal.
         """
         rehearsals, step = self._rehearsals, {"kind": kind, **command}
         with rehearsals.redeemed(
             self._certificate, step, is_agent=self._is_agent
         ) as ticket:
-            if kind != "switch":
+            if moves:
                 rehearsals.check(is_agent=self._is_agent)
             policy = rehearsals.rules.policy_of(is_agent=self._is_agent)
             if policy is Policy.ADVISE and self._certificate is None:
                 self._response.headers[REHEARSAL_HEADER] = "advised"
             yield ticket
+
+
+def is_hold(trajectory: Mapping[str, object]) -> bool:
+    """Return whether a trajectory only stops the joints: it has no points."""
+    return not trajectory.get("points")
 
 
 ByRehearsalDep = Annotated[ByRehearsal, Depends()]

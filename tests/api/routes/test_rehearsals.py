@@ -106,6 +106,7 @@ def test_policy_asks_for_a_rehearsal_or_advises_one(app, arm, operator):
     with pytest.raises(ApiError) as needed:
         arm.submit_goal("arm", GOAL)
     assert (needed.value.status, needed.value.code) == (428, "rehearsal_needed")
+    arm.follow_trajectory("arm", {"joint_names": JOINTS, "points": []})  # may hold
     name = arm.rehearse([STEP], certificate=True).certificate.name
     arm.submit_goal("arm", GOAL, certificate=name)
     rehearsals.adopt(Rules(operator=Policy.ADVISE))
