@@ -102,7 +102,7 @@ class ArmSimulation(ABC):
 
     @abstractmethod
     def set_state_precision(self, *, is_single: bool) -> None:
-        """Say how precisely whoever commands the arm sees its state.
+        """Set the precision in which whoever commands the arm sees its state.
 
         A command that continues a rounded state is off by its rounding, and so may be
         beyond a limit by that much.

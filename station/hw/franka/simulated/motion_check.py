@@ -78,7 +78,7 @@ class MotionCheck:
         self.set_precision(is_single=False)
 
     def set_precision(self, *, is_single: bool) -> None:
-        """Say in which precision the commander sees the state; double at the start."""
+        """Set the precision in which the commander sees the state; double at first."""
         limits, period = self.limits, self.period
         self.unseen = unseen = _UNSEEN if is_single else 0.0
         rate, jerk = unseen / period**2, unseen / period**3
