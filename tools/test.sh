@@ -20,8 +20,8 @@ run() {
     "$python" -m pytest -n "$workers" -m "$marks" "$@" || [ $? -eq 5 ]
 }
 
-# A browser and whole processes have time limits that a busy machine exceeds, which is no
-# defect of what they test: what fails the first time has to pass alone.
+# Some tests run against the clock, and a busy machine is no defect of what they test:
+# what fails the first time has to pass alone.
 patiently() {
     run "$@" && return
     marks=$1
@@ -45,7 +45,7 @@ quick)
     [ $# -gt 0 ] || set -- tests --ignore tests/browser --ignore tests/system
     run "not slow and not alone and not long" auto "$@"
     # Tests that run alone wait most of the time: two leave each other the processor.
-    run "alone and not slow and not long" 2 --dist loadfile --marked alone "$@"
+    patiently "alone and not slow and not long" 2 --dist loadfile --marked alone "$@"
     ;;
 interpreted)
     [ -n "${STATION_COMPILED:-}" ] || exit 0
