@@ -224,7 +224,7 @@ def _own_token(options: Namespace) -> "Iterator[tuple[str, str]]":
             return
         name, made = _made_token(client, options.name)
         sys.stderr.write(f"The agent is called {name}.\n")
-        heir = _begin_to_wait(url, token, options.ca, name)
+        heir = _start_heir(url, token, options.ca, name)
 
         def revoke() -> None:
             client.tokens.revoke(name)
@@ -237,6 +237,7 @@ def _own_token(options: Namespace) -> "Iterator[tuple[str, str]]":
 
         before = signal.signal(signal.SIGTERM, end)
         try:
+            # After an exception the heir revokes the token: its input ends here.
             with heir:
                 yield url, made.token
                 revoke()
@@ -244,12 +245,13 @@ def _own_token(options: Namespace) -> "Iterator[tuple[str, str]]":
             signal.signal(signal.SIGTERM, before)
 
 
-def _begin_to_wait(
+def _start_heir(
     url: str, token: str | None, ca: str | None, name: str
 ) -> "subprocess.Popen[bytes]":
     """Start a process that revokes an agent's token if this process is killed.
 
-    A host may kill its server, and the token would stay valid.
+    A host may kill its server, which then can revoke nothing, and the token would stay
+    valid for whoever has seen it.
     """
     known = {"STATION_URL": url, "STATION_TOKEN": token, "STATION_CA": ca}
     given = {key: value for key, value in known.items() if value is not None}

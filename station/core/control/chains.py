@@ -188,10 +188,11 @@ def find_conflicts(
 
 def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
     """Return exports and following controllers of each controller. Any thread."""
+    commanded = {one.info.name: one.info.references for one in loaded}
+    read = {one.info.name: one.info.states for one in loaded}
     found = []
     for one in loaded:
         controller, name = one.controller, one.info.name
-        users = [other for other in loaded if one in other.following]
         found.append(
             ChainedController(
                 name,
@@ -200,30 +201,18 @@ def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
                 and controller.is_in_chained_mode,
                 tuple(each.info.name for each in one.following),
                 tuple(
-                    ExportedValue(
-                        f"{name}/{reference.name}",
-                        tuple(
-                            user.info.name
-                            for user in users
-                            if f"{name}/{reference.name}" in user.info.references
-                        ),
-                    )
+                    _exported(f"{name}/{reference.name}", commanded)
                     for reference in one.references
                 ),
-                tuple(
-                    ExportedValue(
-                        f"{name}/{state.name}",
-                        tuple(
-                            other.info.name
-                            for other in loaded
-                            if f"{name}/{state.name}" in other.info.states
-                        ),
-                    )
-                    for state in one.states
-                ),
+                tuple(_exported(f"{name}/{state.name}", read) for state in one.states),
             )
         )
     return ControllerChains(tuple(found))
+
+
+def _exported(name: str, used: Mapping[str, Sequence[str]]) -> ExportedValue:
+    """Return an exported value, and who uses it of those that name what they use."""
+    return ExportedValue(name, tuple(user for user in used if name in used[user]))
 
 
 def depth_of(one: LoadedController) -> int:

@@ -148,7 +148,7 @@ def test_the_token_of_an_agent_that_is_killed_is_revoked(tmp_path, monkeypatch):
     command.chmod(0o755)
     monkeypatch.setattr("sys.executable", str(command))
     # A process that is killed closes its end of the pipe, and does nothing else.
-    with access._begin_to_wait("http://h:1", "secret", None, "tuner") as heir:
+    with access._start_heir("http://h:1", "secret", None, "tuner") as heir:
         assert heir.poll() is None
     assert told.read_text() == "http://h:1 secret -m station token revoke tuner\n"
 
