@@ -45,6 +45,16 @@ def bearer(token: str | None) -> dict[str, str]:
     return {} if token is None else {"Authorization": f"Bearer {token}"}
 
 
+async def close_connection(connection: ClientConnection) -> None:
+    """Close a connection; its socket is closed even if the caller is cancelled here."""
+    try:
+        await connection.close()
+    finally:
+        # A cancelled `close` gives up waiting for the other side's answer, and would
+        # leave the socket to the garbage collector.
+        connection.transport.abort()
+
+
 @dataclass(frozen=True, slots=True)
 class StreamOptions:
     """Address and options of a stream.
@@ -207,7 +217,7 @@ class AsyncStream:
         connection, self._connection = self._connection, None
         self.progress.connected = False
         if connection is not None:
-            await connection.close()
+            await close_connection(connection)
 
     async def __aiter__(self) -> AsyncIterator[wire.StreamFrame]:
         """Yield frames until the caller leaves the iteration."""
@@ -418,7 +428,7 @@ class AsyncCommandStream:
         """End the stream; the last set-point expires after its timeout."""
         connection, self._connection = self._connection, None
         if connection is not None:
-            await connection.close()
+            await close_connection(connection)
         if self._reader is not None:
             await asyncio.wait([self._reader])
 

@@ -5,6 +5,7 @@ import json
 import math
 
 import pytest
+from websockets.asyncio.client import connect
 from websockets.asyncio.server import serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosedError, InvalidStatus
@@ -30,6 +31,7 @@ from station.client.streams import (
     StreamOptions,
     StreamProgress,
     bearer,
+    close_connection,
     refusal,
     written,
 )
@@ -146,6 +148,28 @@ def test_an_interrupted_entry_leaves_no_link_open():
             entering.cancel()
             await asyncio.wait([entering])
             await asyncio.wait_for(gone.wait(), PATIENCE)
+
+    asyncio.run(work())
+
+
+def test_an_end_that_is_cut_short_leaves_no_socket_open():
+    async def work():
+        deaf = asyncio.Event()
+
+        async def never_answer(link):
+            link.transport.pause_reading()
+            deaf.set()
+            await link.wait_closed()
+
+        async with serve(never_answer, "127.0.0.1", 0, close_timeout=0.01) as server:
+            port = server.sockets[0].getsockname()[1]
+            connection = await connect(f"ws://127.0.0.1:{port}", proxy=None)
+            await deaf.wait()
+            closing = asyncio.create_task(close_connection(connection))
+            await asyncio.sleep(0)  # it waits for the answer now
+            closing.cancel()
+            await asyncio.wait([closing])
+            assert connection.transport.is_closing()
 
     asyncio.run(work())
 

@@ -18,6 +18,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
+from station.client.streams import close_connection
 from station.ui.gateway.forwarded_routes import may_ask, may_forward, may_stream
 from station.ui.link.socket_ends import close_socket, send_frame, until_first
 from station.ui.sessions.session_access import SessionAccess
@@ -186,8 +187,10 @@ class ApiRelay:
         except (OSError, WebSocketException):
             await close_socket(browser, _STATION_GONE, "the station does not answer")
             return
-        async with upstream:
+        try:
             await _pass_frames(browser, upstream, wait_for_end)
+        finally:
+            await close_connection(upstream)
 
     async def _wait_for_station(
         self, browser: WebSocket, wait_for_end: Callable[[], Awaitable[None]]

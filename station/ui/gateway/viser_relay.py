@@ -32,6 +32,7 @@ from websockets.asyncio.server import (
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
+from station.client.streams import close_connection
 from station.ui.link.socket_ends import close_socket, send_frame, until_first
 from station.ui.sessions.sessions import Role
 
@@ -123,10 +124,12 @@ class ViserRelay:
         except (OSError, WebSocketException):
             await browser.close(_NO_UPSTREAM, "the 3D view is not running")
             return
-        async with upstream:
+        try:
             await browser.accept(subprotocol=upstream.subprotocol)
             ended = asyncio.ensure_future(wait_for_end())
             await _relay(browser, upstream, role, ended)
+        finally:
+            await close_connection(upstream)
 
 
 async def _relay(
