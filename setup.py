@@ -43,6 +43,8 @@ DIRECTIVES = {
     "infer_types": True,
     # The types are those of the .pxd; `int` in the .py would be a Python object.
     "annotation_typing": False,
+    # A sixth of the compiler's time, for what is never sent to another process.
+    "auto_pickle": False,
 }
 
 
