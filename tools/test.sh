@@ -45,7 +45,7 @@ quick)
     [ $# -gt 0 ] || set -- tests --ignore tests/browser --ignore tests/system
     run "not slow and not alone and not long" auto "$@"
     # Tests that run alone wait most of the time: two leave each other the processor.
-    patiently "alone and not slow and not long" 2 --dist loadfile --marked alone "$@"
+    run "alone and not slow and not long" 2 --dist loadfile --marked alone "$@"
     ;;
 interpreted)
     [ -n "${STATION_COMPILED:-}" ] || exit 0
