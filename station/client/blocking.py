@@ -42,6 +42,7 @@ from station.client.stores import (
     AsyncTokensClient,
     AsyncWaypointPathsClient,
 )
+from station.client.streams import certificates
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -142,9 +143,10 @@ class _BlockingConnection(AsyncConnection):
         tls: ssl.SSLContext | None,
     ) -> None:
         if transport is None:
-            verify = True if tls is None else tls
             # Ignore proxies of the environment: a stop must not depend on one.
-            transport = _Inline(httpx.HTTPTransport(verify=verify, trust_env=False))
+            transport = _Inline(
+                httpx.HTTPTransport(verify=certificates(tls), trust_env=False)
+            )
         super().__init__(url, token, timeout, transport, tls)
 
     @override

@@ -29,7 +29,13 @@ from station.client.errors import (
     NotFiniteError,
     StationUnreachableError,
 )
-from station.client.streams import CommandOptions, Rate, StreamOptions, bearer
+from station.client.streams import (
+    CommandOptions,
+    Rate,
+    StreamOptions,
+    bearer,
+    certificates,
+)
 from station.wire.base import reader_of
 from station.wire.protocol import CLOCK_HEADER, LEASE_HEADER, NOT_AFTER_HEADER, PREFIX
 
@@ -125,7 +131,7 @@ class AsyncConnection:
             transport=transport,
             # Ignore proxies of the environment, which would see the token.
             trust_env=False,
-            verify=True if tls is None else tls,
+            verify=certificates(tls),
         )
 
     async def close(self) -> None:

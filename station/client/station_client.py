@@ -31,7 +31,13 @@ from station.client.stores import (
     AsyncTokensClient,
     AsyncWaypointPathsClient,
 )
-from station.client.streams import AsyncCommandStream, AsyncStream, Rate, bearer
+from station.client.streams import (
+    AsyncCommandStream,
+    AsyncStream,
+    Rate,
+    bearer,
+    certificates,
+)
 from station.local.station_locator import locate
 from station.local.tls import trust
 from station.wire import Controllers, JointStates, Status
@@ -529,7 +535,7 @@ def summary_html(
             timeout=_SUMMARY_TIMEOUT,
             transport=transport,
             trust_env=False,
-            verify=True if tls is None else tls,
+            verify=certificates(tls),
         ) as http:
             status = _ask(http, "/status", Status)
             controllers = _ask(http, "/controllers", Controllers)

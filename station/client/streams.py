@@ -45,6 +45,16 @@ def bearer(token: str | None) -> dict[str, str]:
     return {} if token is None else {"Authorization": f"Bearer {token}"}
 
 
+def certificates(tls: ssl.SSLContext | None) -> ssl.SSLContext:
+    """Return the context that checks a server; for plain HTTP it trusts nobody.
+
+    Args:
+        tls: The context of a station with https; None for plain HTTP, where reading the
+            authorities of the system would delay each client by 50 ms.
+    """
+    return ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT) if tls is None else tls
+
+
 async def close_connection(connection: ClientConnection) -> None:
     """Close a connection; its socket is closed even if the caller is cancelled here."""
     try:

@@ -18,7 +18,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
-from station.client.streams import close_connection
+from station.client.streams import certificates, close_connection
 from station.ui.gateway.forwarded_routes import may_ask, may_forward, may_stream
 from station.ui.link.socket_ends import close_socket, send_frame, until_first
 from station.ui.sessions.session_access import SessionAccess
@@ -64,7 +64,7 @@ class ApiRelay:
             trust_env=False,
             timeout=httpx.Timeout(ANSWER_TIME, connect=_CONNECT_TIME),
             limits=_CONNECTIONS,
-            verify=True if tls is None else tls,
+            verify=certificates(tls),
         )
 
     async def close(self) -> None:

@@ -25,6 +25,7 @@ from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route, WebSocketRoute
 
 from station.client import ApiError, AsyncStationClient, StationUnreachableError
+from station.client.streams import certificates
 from station.ui.gateway.guard import GatewayGuard, session_cookie
 from station.ui.page.view_routes import ShownViews, ViewRoutes
 from station.ui.page.workspace_routes import WorkspaceParts, WorkspaceRoutes
@@ -351,7 +352,8 @@ class StopButton:
         """
         headers = {"Authorization": f"Bearer {self._token}"}
         try:
-            async with httpx.AsyncClient(trust_env=False) as http:
+            verify = certificates(None)
+            async with httpx.AsyncClient(trust_env=False, verify=verify) as http:
                 answer = await http.post(
                     f"{self._watchdog_url}/stop",
                     json={"reason": _REASON},
