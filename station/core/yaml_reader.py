@@ -4,7 +4,7 @@ YAML 1.1, as ROS reads it, has traps. Here `1e-3` is a number and a date is text
 Scalars that YAML 1.1 and 1.2 read differently (`010`, `1:30`, `1_000`) are refused, and
 so are duplicate keys and keys that are not text.
 
-Reading is slow (5 to 50 us a character) and aliases of aliases make a few lines into
+Reading is slow (2 to 10 us a character) and aliases of aliases make a few lines into
 more values than there is memory. So the length of a text, its depth and its values,
 with every alias written out, are bounded before they cost anything.
 """
@@ -16,10 +16,16 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import yaml
 from typing_extensions import override
-from yaml.composer import ComposerError
+from yaml.composer import Composer, ComposerError
+
+try:
+    from yaml import CSafeLoader as _Parser
+except ImportError:  # PyYAML was built without libyaml, and takes five times as long.
+    from yaml import SafeLoader as _Parser  # type: ignore[assignment]
 
 from station.core.errors import ConfigError, key_text, show
 
@@ -104,8 +110,12 @@ _TWO_MEANINGS = re.compile(
 _INF_OR_NAN = re.compile(r"\.(inf|nan)", re.IGNORECASE)
 
 
-class _Loader(yaml.SafeLoader):
+class _Loader(Composer, _Parser):
     """PyYAML's parser with the scalars of this module."""
+
+    def __init__(self, text: str) -> None:
+        _Parser.__init__(self, text)
+        Composer.__init__(self)
 
     yaml_implicit_resolvers = {  # noqa: RUF012 - the name and type are PyYAML's
         None: [
@@ -120,15 +130,15 @@ class _Loader(yaml.SafeLoader):
     def compose_node(self, parent: yaml.Node | None, index: object) -> yaml.Node | None:
         """Return the next node; refuse it where it is nested too deep.
 
-        The depth is checked here, before the whole text is parsed, because the parser
-        needs seconds for some thousand open brackets.
+        The depth is checked here, before the whole text is parsed, because
+        PyYAML needs seconds for some thousand open brackets.
 
         Raises:
             ComposerError: The text is nested too deep.
         """
         if self._depth > _MAX_DEPTH:
             problem = f"it is nested deeper than {_MAX_DEPTH} levels"
-            mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]  # PyYAML's stubs
+            mark: Any = getattr(self.peek_event(), "start_mark", None)
             raise ComposerError(None, None, problem, mark)
         self._depth += 1
         try:

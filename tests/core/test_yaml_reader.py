@@ -69,7 +69,7 @@ def test_scalar_with_two_meanings_is_refused(text):
         ("on: 1", r"f\.yaml:1:1: The text has the key 'on', which is not text"),
         ("1: 1", r"f\.yaml:1:1: The text has the key '1', which is not text"),
         ("[a]: 1", r"f\.yaml:1:1: The text has the key \(a list or mapping\)"),
-        ("a: [1, 2", r"f\.yaml:1:9: The text is not valid YAML"),
+        ("a: [1, 2", r"f\.yaml:2:1: The text is not valid YAML"),
         ("a: 1\n\tb: 2", r"f\.yaml:2:1: The text is not valid YAML"),
         ("a: 1\n---\nb: 2", r"f\.yaml:2:1: The text is not valid YAML"),
         ("a: *nothing", r"f\.yaml:1:4: The text is not valid YAML"),
