@@ -6,6 +6,7 @@ controller_loader.h; differs: a plugin is a Python class named `module:Class`.
 
 import importlib
 import importlib.util
+import os
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
@@ -51,8 +52,13 @@ class PluginModules:
         Raises:
             ImportError: There is no such module, or it cannot be imported.
         """
-        changed = {one for one in self._stamps if self._has_changed(one)}
-        self._forget({one for one in changed if _package(one) == _package(name)})
+        package = _package(name)
+        related = [one for one in self._stamps if _package(one) == package]
+        changed = {one for one in related if self._has_changed(one)}
+        self._forget(changed)
+        # The file may be newer than what Python knows of its folder.
+        if changed or name not in sys.modules:
+            importlib.invalidate_caches()
         self._named.add(name)
         module = importlib.import_module(name)
         for one in _of_package(name):
@@ -86,7 +92,6 @@ class PluginModules:
                 # of the source agree, so it would miss a quick edit of the same size.
                 with suppress(OSError, NotImplementedError):
                     Path(importlib.util.cache_from_source(path)).unlink()
-        importlib.invalidate_caches()
 
 
 def _package(name: str) -> str:
@@ -110,7 +115,7 @@ def _stamp(name: str) -> Stamp | None:
     if path is None:
         return None
     try:
-        found = Path(path).stat()
+        found = os.stat(path)
     except OSError:
         return None
     return found.st_mtime_ns, found.st_size
