@@ -88,14 +88,17 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
         "--version", action="version", version=f"station {station.__version__}"
     )
     parsers = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in VERBS:
+    word = next(iter(arguments), "")
+    asked_for = [verb for verb in VERBS if word in {verb.name, *verb.aliases}]
+    # Only help and the error about an unknown verb name the others.
+    for verb in asked_for or VERBS:
         found = parsers.add_parser(
             verb.name,
             help=verb.summary,
             description=verb.summary,
             aliases=list(verb.aliases),
         )
-        if arguments and arguments[0] in {verb.name, *verb.aliases}:
+        if asked_for:
             parser.is_for_programs = found.is_for_programs = "--json" in arguments
             _fill(found, verb)
     return parser.parse_args(arguments)
