@@ -4,6 +4,7 @@ Source: ros_controllers@678b92a joint_trajectory_controller/
 joint_trajectory_controller.h, joint_trajectory_controller_impl.h.
 """
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar, NamedTuple, TypeVar
@@ -255,6 +256,8 @@ class JointTrajectoryState(NamedTuple):
     error: PosVelAccState
 
 
+_log = logging.getLogger(__name__)
+
 _ALLOW_PARTIAL_JOINTS_GOAL = declare_boolean(
     "allow_partial_joints_goal", "a trajectory may leave joints out", default=False
 )
@@ -285,11 +288,41 @@ _STOP_TRAJECTORY_DURATION = declare_number(
 )
 
 
+_BRAKES = declare_boolean(
+    "constraints/decelerate_on_cancel",
+    "each joint ends a motion with its own `max_deceleration_on_cancel`, if all have "
+    "one, in place of `stop_trajectory_duration`",
+    default=False,
+)
+_DECELERATION = declare_number(
+    f"constraints/{EACH_JOINT}/max_deceleration_on_cancel",
+    "how `decelerate_on_cancel` brings the joint to rest",
+    0.0,
+    "rad/s^2",
+    minimum=0.0,
+)
+
+
+def _read_decelerations(params: Parameters, joints: Sequence[str]) -> list[float]:
+    """Return how joints end a motion; empty unless all of them have a deceleration."""
+    if not _BRAKES.read_bool(params):
+        return []
+    found = [_DECELERATION.of(name).read_float(params) for name in joints]
+    if all(found):
+        return found
+    _log.warning(
+        "'%s' has no effect: not every joint has a max_deceleration_on_cancel.",
+        params.resolve(_BRAKES.name),
+    )
+    return []
+
+
 class JointTrajectoryController(Controller[InterfaceT]):
     """Executes trajectories and goals; an adapter commands the hardware.
 
     Parameters: `joints`; `constraints` with `goal_time`, `stopped_velocity_tolerance`
-    and per joint `trajectory` and `goal`; `stop_trajectory_duration` [s];
+    and per joint `trajectory` and `goal`; `stop_trajectory_duration` [s], or
+    `decelerate_on_cancel` among the constraints, with `max_deceleration_on_cancel`;
     `allow_partial_joints_goal`; `speed_scaling`, 0 to 1, and `speed_scaling_ramp`, the
     time from standstill to full speed [s]; and those of the interface's adapter, see
     `adapter_for`; `kinematics/base` and `kinematics/tip` for motion primitives.
@@ -324,6 +357,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
             JOINTS,
             *(each.inside(_CONSTRAINTS) for each in TOLERANCE_PARAMETERS),
             _STOP_TRAJECTORY_DURATION,
+            _BRAKES,
+            _DECELERATION,
             _ALLOW_PARTIAL_JOINTS_GOAL,
             _MAY_END_MOVING,
             _BASE,
@@ -344,6 +379,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
             self.joints,
             self._adapter.tracking,
             stop_duration=_STOP_TRAJECTORY_DURATION.read_float(params),
+            decelerations=_read_decelerations(params, self.joint_names),
             path_bounds=[tolerances[name].path for name in self.joint_names],
             speed=speed,
         )

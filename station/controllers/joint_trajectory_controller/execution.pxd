@@ -38,7 +38,7 @@ cdef class TrajectoryExecution:
     cdef readonly list trajectory
     cdef readonly tuple moment
     cdef readonly double sampled
-    cdef object _names, _path_bounds
+    cdef object _names, _path_bounds, _decelerations
     cdef double _stop_duration, _passed, _load_time, _path_end, _begin
     cdef long long _uptime, _passed_ns
     cdef bint _rests

@@ -26,6 +26,7 @@ from station.core.trajectory import (
     PosVelAccState,
     SegmentTrajectory,
     StateTolerances,
+    braking_trajectory,
     find_segment,
     hold_trajectory,
     sample_segments,
@@ -411,6 +412,8 @@ class TrajectoryExecution:
         joints: The joints.
         tracking: Their measured states; receives desired states and errors.
         stop_duration: Time in which a motion is ended [s]; 0 to hold at once.
+        decelerations: How every joint is brought to rest instead [rad/s^2 or m/s^2],
+            > 0; empty for `stop_duration`.
         path_bounds: Path tolerances of trajectories without a goal, shape (n,); None
             for none.
         speed: Speed scaling of the trajectory; full speed when None.
@@ -443,11 +446,13 @@ class TrajectoryExecution:
         tracking: JointTracking,
         *,
         stop_duration: float = 0.0,
+        decelerations: Sequence[float] = (),
         path_bounds: Sequence[StateTolerances] | None = None,
         speed: SpeedScaling | None = None,
     ) -> None:
         self._names = [joint.name for joint in joints]
         self._stop_duration = stop_duration
+        self._decelerations = decelerations
         self._path_bounds = path_bounds or [StateTolerances()] * len(joints)
         self.speed = SpeedScaling() if speed is None else speed
         self.tracking = tracking
@@ -585,16 +590,19 @@ class TrajectoryExecution:
         """
         now = to_seconds(self.moment[2])
         tracking = self.tracking
-        if self._stop_duration == 0.0:
+        if self._stop_duration == 0.0 and not self._decelerations:
             held = tracking.memory.positions if is_void else self._held_positions()
             return hold_trajectory(now, held, goal)
         now = self.sampled
         factor = self.speed.factor
         if factor < _STANDSTILL:
             return hold_trajectory(now, tracking.positions, goal)
-        # `stop_duration` is real time, while the ramp runs in trajectory time.
+        # The stop is described in real time, while the ramp runs in trajectory time.
         states = zip(tracking.positions, tracking.velocities, strict=True)
         moving = [(position, velocity / factor) for position, velocity in states]
+        if self._decelerations:
+            braking = [each / factor**2 for each in self._decelerations]
+            return braking_trajectory(now, braking, moving, goal)
         return stop_trajectory(now, self._stop_duration * factor, moving, goal)
 
     def _held_positions(self) -> list[float]:

@@ -7,6 +7,7 @@ from station.core.trajectory.init_joint_trajectory import (
     JointTrajectorySegment as JointTrajectorySegment,
     SegmentTrajectory as SegmentTrajectory,
     TrajectoryOptions as TrajectoryOptions,
+    braking_trajectory as braking_trajectory,
     check_joint_names as check_joint_names,
     find_segment as find_segment,
     hold_trajectory as hold_trajectory,

@@ -13,7 +13,7 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from math import isfinite, pi
+from math import copysign, isfinite, pi
 
 from station.core.errors import InvalidTrajectoryError, counted
 from station.core.numerics.joint_errors import shortest_angular_distance
@@ -618,4 +618,37 @@ def stop_trajectory(
         way = QuinticSplineSegment(time, start, time + duration, rest)
         segment = JointTrajectorySegment(way, rest, goal=goal)
         result.append([segment])
+    return result
+
+
+def braking_trajectory(
+    time: float,
+    decelerations: Sequence[float],
+    states: Sequence[tuple[float, float]],
+    goal: Goal | None = None,
+) -> SegmentTrajectory:
+    """Return a trajectory in which each joint comes to rest with its own deceleration.
+
+    Args:
+        time: Start of the trajectory [s].
+        decelerations: Deceleration of every joint [rad/s^2 or m/s^2], > 0.
+        states: Position [rad or m] and velocity [rad/s or m/s] of every joint.
+        goal: The goal that the trajectory belongs to; None if it belongs to none.
+
+    Source:
+        ros2_controllers@6.x joint_trajectory_controller, decelerate_to_hold_position.
+    """
+    result: SegmentTrajectory = []
+    for (position, velocity), deceleration in zip(states, decelerations, strict=True):
+        duration = abs(velocity) / deceleration
+        braking = [copysign(deceleration, -velocity)]
+        rest = [position + velocity * duration / 2.0]
+        way = QuinticSplineSegment(
+            time,
+            PosVelAccState([position], [velocity], braking),
+            time + duration,
+            PosVelAccState(rest, [0.0], braking),
+        )
+        end = PosVelAccState(rest, [0.0], [0.0])
+        result.append([JointTrajectorySegment(way, end, goal=goal)])
     return result

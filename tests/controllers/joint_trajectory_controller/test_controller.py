@@ -182,6 +182,52 @@ def test_a_stop_duration_lets_the_motion_die_away(robot, start, make_goal):
     assert goal.status is GoalStatus.SUCCEEDED
 
 
+def _braking(**decelerations):
+    each = {
+        name: {"max_deceleration_on_cancel": deceleration}
+        for name, deceleration in decelerations.items()
+    }
+    return {"constraints": {"decelerate_on_cancel": True, **each}}
+
+
+@pytest.mark.parametrize("speed", [1.0, 0.5])
+def test_each_joint_of_a_cancelled_goal_brakes_by_itself(
+    robot, start, make_goal, speed
+):
+    # As decelerate_to_hold_position of ros2_controllers: v / a long, v^2 / (2 a) far.
+    decelerations = [2.0, 3.0, 0.8]
+    controller = start(
+        **_braking(**dict(zip(JOINTS, decelerations, strict=True))),
+        speed_scaling=speed,
+    )
+    goal = controller.goals.submit(make_goal(AWAY))
+    robot.run_with_position(controller, 500)
+    began = list(zip(robot.position, robot.velocity, decelerations, strict=True))
+    controller.goals.cancel(goal.identifier)
+    longest = max(abs(v) / a for _, v, a in began)
+    robot.run_with_position(controller, int(1000 * longest) - 20)
+    assert abs(robot.velocity[2]) == pytest.approx(0.02 * 0.8, abs=2e-3)
+    assert robot.velocity[:2] == pytest.approx([0.0, 0.0], abs=1e-9)
+    robot.run_with_position(controller, 40)
+    assert goal.status is GoalStatus.PREEMPTED
+    assert robot.velocity == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
+    rest = [q + v * abs(v) / (2.0 * a) for q, v, a in began]
+    assert robot.position == pytest.approx(rest, abs=2e-3)
+
+
+def test_joints_hold_at_once_if_one_has_no_deceleration(
+    robot, start, make_goal, caplog
+):
+    controller = start(**_braking(slide=2.0))
+    assert "not every joint has a max_deceleration_on_cancel" in caplog.text
+    goal = controller.goals.submit(make_goal(AWAY))
+    robot.run_with_position(controller, 500)
+    here = list(robot.position)
+    controller.goals.cancel(goal.identifier)
+    robot.run_with_position(controller, 100)
+    assert robot.position == pytest.approx(here, abs=1e-12)
+
+
 def test_a_cancelled_goal_ends_and_the_joints_hold(robot, start, make_goal):
     controller = start()
     goal = controller.goals.submit(make_goal(AWAY))
