@@ -11,6 +11,7 @@ Source: ros2 rcl_yaml_param_parser; ros2_controllers@4.x, the parameters of each
 import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import inf
 from typing import Any
 
 from station.core.errors import ConfigError, show
@@ -256,7 +257,38 @@ def _kind(interfaces: object, place: str) -> str:
     )
 
 
+# Parameters of trajectory controllers whose values ask for what is done here anyway: a
+# new trajectory begins at the desired state of the old one, whose other joints go on,
+# and after its last point the joints hold. Other values are named in a warning.
+_AS_HERE = {
+    "interpolate_from_desired_state": True,
+    "open_loop_control": True,
+    "allow_trajectory_replacement": True,
+    "interpolation_method": "splines",
+    "allow_integration_in_goal_trajectories": False,
+}
+_GAINS_AS_HERE = {
+    "u_clamp_max": inf,
+    "u_clamp_min": -inf,
+    "i_clamp_max": inf,
+    "i_clamp_min": -inf,
+    "antiwindup_strategy": "none",
+    "tracking_time_constant": 0.0,
+    "error_deadband": 0.0,
+}
+
+
+def _without(params: Values, inert: Mapping[str, object]) -> Values:
+    return {
+        key: value
+        for key, value in params.items()
+        if key not in inert or value != inert[key]
+    }
+
+
 def _trajectory(params: Values, place: str) -> Values:
+    params = _without(params, _AS_HERE)
+    params.pop("cmd_timeout", None)
     kind = _kind(params.pop("command_interfaces", None), place)
     params["type"] = f"{kind}/JointTrajectoryController"
     params.pop("state_interfaces", None)
@@ -275,7 +307,9 @@ def _trajectory(params: Values, place: str) -> Values:
     # ROS 2 has the feed-forward gain of the velocity among the gains of a joint.
     gains = _group(params, "gains", f"{place}: ")
     for joint in gains:
-        own = _group(gains, joint, f"{place}: gains/")
+        own = gains[joint] = _without(
+            _group(gains, joint, f"{place}: gains/"), _GAINS_AS_HERE
+        )
         # The integral part of ROS 2 has no bound unless one is given.
         if own.get("i") and not any(key.startswith("i_clamp") for key in own):
             own["i_clamp"] = _NO_BOUND

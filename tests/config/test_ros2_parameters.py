@@ -24,7 +24,10 @@ arm:
     command_interfaces: [effort]
     state_interfaces: [position, velocity]
     gains.j1: {p: 10.0, i: 2.0, d: 1.0, ff_velocity_scale: 0.5}
-    gains.j2: {p: 10.0, i: 2.0, i_clamp_max: 1.0}
+    gains.j2: {p: 10.0, i: 2.0, i_clamp_max: 1.0, i_clamp_min: -.inf, u_clamp_max: .inf}
+    interpolate_from_desired_state: true
+    interpolation_method: splines
+    cmd_timeout: 2.0
     speed_scaling: {initial_scaling_factor: 0.5, state_interface: a/b}
     constraints: {stopped_velocity_tolerance: 0.2, j1.goal: 0.1}
     command_timeout: 0.1
