@@ -304,10 +304,10 @@ _DECELERATION = declare_number(
 
 
 def _read_decelerations(params: Parameters, joints: Sequence[str]) -> list[float]:
-    """Return how joints end a motion; empty unless all of them have a deceleration."""
+    """Return the deceleration of each joint; empty unless all brake and have one."""
+    found = [_DECELERATION.of(name).read_float(params) for name in joints]
     if not _BRAKES.read_bool(params):
         return []
-    found = [_DECELERATION.of(name).read_float(params) for name in joints]
     if all(found):
         return found
     _log.warning(
