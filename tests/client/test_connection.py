@@ -2,12 +2,13 @@
 
 import asyncio
 import math
+import ssl
 
 import httpx
 import pytest
 from pydantic import ValidationError
 
-from station.client import ApiError, AsyncStationClient, EmptyNameError
+from station.client import ApiError, AsyncStationClient, EmptyNameError, StationClient
 from station.client.connection import AsyncConnection, RequestDeadline, segment
 from station.core.clock import ManualClock
 from station.wire import Session
@@ -99,6 +100,18 @@ def test_a_mapping_with_a_number_that_is_not_finite_is_not_even_sent():
 
 def test_a_slash_at_the_end_of_the_address_does_not_matter():
     assert AsyncStationClient("http://127.0.0.1:8000/").url == "http://127.0.0.1:8000"
+
+
+def test_authorities_are_read_for_https_alone(monkeypatch):
+    # It takes 50 ms, which every verb and every stop would wait.
+    def read(*_args, **_options):
+        raise LookupError("the authorities of the system")
+
+    monkeypatch.setattr(ssl, "create_default_context", read)
+    StationClient("http://localhost:1", "token").close()
+    asyncio.run(AsyncStationClient("http://localhost:1", "token").close())
+    with pytest.raises(LookupError):
+        StationClient("https://station.example:1", "token")
 
 
 def test_a_client_moves_to_another_station():
