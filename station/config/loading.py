@@ -260,13 +260,23 @@ class _Merge:
             self._set(tuple(dotted.split(".")), value, "command line")
 
     def substitute_arguments(self) -> None:
-        """Replace `$(arg arm)` in `arm_id`, and `$(arg arm_id)` in controllers."""
+        """Replace `$(arg arm)` in `arm_id`, and `$(arg arm_id)` in controllers.
+
+        Raises:
+            ConfigError: `arm_id` is no text.
+        """
         robot = self.values.get("robot")
         arm_id = robot.get("arm_id") if isinstance(robot, dict) else None
         if isinstance(robot, dict) and isinstance(arm_id, str):
             arm = {"arm": str(robot.get("arm", _ARM))}
             arm_id = str(substitute(arm_id, arm, "robot"))
             self.values["robot"] = {**robot, "arm_id": arm_id}
+        elif isinstance(robot, dict) and "arm_id" in robot:
+            where = self.where(("robot", "arm_id"))
+            raise ConfigError(
+                [f"{where}: robot.arm_id is {show(arm_id)}; it must be text."],
+                remedy="Write a name, such as panda, or leave it out.",
+            )
         given = self.values.get("arguments")
         arguments = {
             key: str(value)

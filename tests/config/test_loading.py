@@ -69,6 +69,12 @@ def test_arm_of_the_environment_or_command_line_gives_its_name(monkeypatch):
     assert load_config().robot_parameters()["arm_id"] == "fr3"
 
 
+@pytest.mark.parametrize("value", ["5", "null", "[left]"])
+def test_an_arm_id_that_is_no_text_is_named_rather_than_its_controllers(write, value):
+    with pytest.raises(ConfigError, match=r":1:17: robot.arm_id is .* must be text"):
+        load_config(write(f"robot: {{arm_id: {value}}}"))
+
+
 def test_default_controllers_follow_the_arm_id(write):
     config = load_config(write("robot: {arm_id: left}"))
 
