@@ -422,7 +422,7 @@ def _report(arm_id):
         robot_mode="idle",
         connected=True,
         errors=[],
-        remedy="",
+        remedy="release the user stop" if arm_id == "right" else "",
         caution="It is touched." if arm_id == "left" else "",
     )
 

@@ -266,6 +266,7 @@ def recover(options: Namespace) -> int:
     for arm in arms:
         lines.append(f"{arm.arm_id} is {arm.robot_mode}.")
         lines += [f"Caution: {arm.caution}"] if arm.caution else []
+        lines += [f"To move it again: {arm.remedy}."] if arm.remedy else []
     started = ", ".join(recovered.restarted) or "nothing"
     return answer(options, recovered, *lines, f"Started again: {started}.")
 

@@ -70,6 +70,7 @@ def test_recover_takes_all_arms_at_once(run, station):
         "left is idle.",
         "Caution: It is touched.",
         "right is idle.",
+        "To move it again: release the user stop.",
         "Started again: nothing.",
     ]
 
