@@ -10,6 +10,8 @@ from station.core.errors import InvalidCommandError
 
 _UNIT_TOLERANCE = 1e-5
 _ROTATION_TOLERANCE = 1e-4
+_LARGEST_OFFSET = 10.0
+"""Largest coordinate of a frame's origin [m]; more is a mistake in millimetres."""
 
 
 def transform_problem(pose: Sequence[float]) -> str | None:
@@ -37,24 +39,26 @@ def transform_problem(pose: Sequence[float]) -> str | None:
 def check_transform(pose: Sequence[float], what: str) -> list[float]:
     """Return the pose as a new list; stricter than `transform_problem`.
 
-    Axes that are left-handed or not at right angles are refused, too. A frame is set
-    once and used in every later cycle, so an error would make all poses and wrenches
-    wrong.
+    Axes that are left-handed or not at right angles, and origins more than 10 m away,
+    are refused, too. A frame is set once and used in every later cycle, so an error
+    would make all poses and wrenches wrong.
 
     Args:
         pose: The numbers.
         what: Name of the field, for the message.
 
     Raises:
-        InvalidCommandError: The numbers are not a homogeneous transform.
+        InvalidCommandError: The numbers are not such a transform.
     """
     problem = transform_problem(pose)
     if problem is None and abs(_determinant(pose) - 1.0) > _ROTATION_TOLERANCE:
         problem = "the axes of its rotation must be at right angles and right-handed"
+    if problem is None and max(map(abs, pose[12:15])) > _LARGEST_OFFSET:
+        problem = f"its origin must be at most {_LARGEST_OFFSET:g} m away on each axis"
     if problem is not None:
         raise InvalidCommandError(
-            f"'{what}' {list(pose)} is no transform: {problem}.",
-            remedy="Give a homogeneous transform, column by column.",
+            f"'{what}' {list(pose)} is not possible: {problem}.",
+            remedy="Give a homogeneous transform in metres, column by column.",
             details={
                 "errors": [
                     {"field": f"body/{what}", "message": problem, "value": str(pose)}

@@ -50,3 +50,9 @@ def test_frames_that_stay_have_a_right_handed_base(rotation):
     assert transform_problem(pose) is None
     with pytest.raises(InvalidCommandError, match="right-handed"):
         check_transform(pose, "X")
+
+
+def test_an_origin_in_millimetres_is_refused():
+    pose = [*IDENTITY[:12], 0.0, 0.0, 103.4, 1.0]
+    with pytest.raises(InvalidCommandError, match="at most 10 m away"):
+        check_transform(pose, "NE_T_EE")
