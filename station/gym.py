@@ -142,7 +142,6 @@ class StationEnv(gymnasium.Env[Observation, Array]):
             station.switch(stop=[self._controller])
         facade.robots.recover_all()
         station.reset()
-        station.step()
         wanted = dict((options or {}).get("joint_positions", {}))
         if self._noise:
             for name, position in station.positions().items():
@@ -150,7 +149,6 @@ class StationEnv(gymnasium.Env[Observation, Array]):
                 wanted.setdefault(name, self._within(name, position + draw))
         if wanted:
             station.reset(wanted)
-            station.step()
         station.switch(start=[self._controller])
         self._begin = facade.loop.cycle
         return self._observe(), self._info(None)

@@ -24,7 +24,12 @@ from station.core.clock import ManualClock
 from station.core.control.controller import ControllerState
 from station.core.control.controller_manager import ControllerStatus
 from station.core.control.switching import SwitchRequest
-from station.core.errors import InvalidCommandError, RecordingFileError
+from station.core.errors import (
+    InvalidCommandError,
+    RecordingFileError,
+    is_number,
+    show,
+)
 from station.core.loop.snapshot import Snapshot
 from station.core.loop.stop_latch import StopState
 from station.core.scheduling import realtime_interpreter
@@ -228,8 +233,10 @@ class InProcessStation:
             seconds: Station time to pass [s], >= 0; rounded to whole cycles.
 
         Raises:
+            InvalidCommandError: `seconds` is no finite number, or below 0.
             LoopError: The control thread died.
         """
+        _check_time(seconds)
         loop = self.facade.loop
         if not self.is_threaded:
             self.step(round(seconds / loop.period))
@@ -305,8 +312,13 @@ class InProcessStation:
         )
 
     def reset(self, positions: Mapping[str, float] | None = None) -> None:
-        """Put the simulated world back to its start; see `SimulationControl.reset`."""
+        """Put the simulated world back to its start; see `SimulationControl.reset`.
+
+        A stepped station then runs one cycle, as when it opens, to read the joints.
+        """
         self.facade.simulation.reset(positions)
+        if not self.is_threaded:
+            self.step()
 
     def move_to(self, target: Target, *, duration: float | None = None) -> None:
         """Move joints by a trajectory controller and return when they have arrived.
@@ -344,7 +356,11 @@ class InProcessStation:
             controller: Controller whose samples to return: `desired`, `actual`, `error`
                 and `output`. None returns `position`, `velocity` and `effort` of the
                 joints.
+
+        Raises:
+            InvalidCommandError: `seconds` is no finite number, or below 0.
         """
+        _check_time(seconds)
         samples = Samples(controller or "joint_states")
         cycle, left = self.facade.loop.cycle, seconds
         while left > 0.0:
@@ -407,6 +423,19 @@ class InProcessStation:
         if holders or not is_running:
             self.switch(start=[] if is_running else [chosen.name], stop=holders)
         return chosen.name
+
+
+def _check_time(seconds: float) -> None:
+    """Refuse a time that cannot pass.
+
+    Raises:
+        InvalidCommandError: It is no finite number, or below 0.
+    """
+    if not is_number(seconds) or not 0.0 <= seconds < math.inf:
+        raise InvalidCommandError(
+            f"{show(seconds)} s cannot pass; it must be a finite number from 0.",
+            remedy="Give the station time to pass in seconds.",
+        )
 
 
 def _claims(controller: ControllerStatus) -> list[str]:

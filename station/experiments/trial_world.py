@@ -162,7 +162,6 @@ class TrialWorld:
         )
         self._delay.begin(wanted.delay)
         station.reset(script.begin)
-        station.step()
         station.switch(start=[script.controller])
         # Compute the reference before noise begins, so that it starts at exact
         # positions.

@@ -89,6 +89,25 @@ def test_every_cycle_is_collected_however_many(mock):
     assert mock.collect(0.1, "group")["actual"][-1] == pytest.approx([0.5, -0.5])
 
 
+@pytest.mark.parametrize("seconds", [-1.0, math.nan, math.inf, "1", True])
+def test_an_impossible_time_cannot_pass(mock, seconds):
+    before = mock.time
+
+    for wait in (mock.run, mock.collect):
+        with pytest.raises(InvalidCommandError, match="cannot pass"):
+            wait(seconds)
+
+    assert mock.time == before
+
+
+def test_a_reset_is_seen_at_once():
+    with station.open() as arm:
+        arm.move_to("stretched", duration=2.0)
+        arm.reset()
+
+        assert arm.positions()["panda_joint4"] == pytest.approx(-2.356, abs=1e-3)
+
+
 def test_single_values_can_be_set():
     with station.open(MOCK, settings={"station.rate": 500}) as opened:
         assert opened.facade.loop.period == 0.002
