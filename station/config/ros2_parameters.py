@@ -262,7 +262,6 @@ def _kind(interfaces: object, place: str) -> str:
 # and after its last point the joints hold. Other values are named in a warning.
 _AS_HERE = {
     "interpolate_from_desired_state": True,
-    "open_loop_control": True,
     "allow_trajectory_replacement": True,
     "interpolation_method": "splines",
     "allow_integration_in_goal_trajectories": False,
