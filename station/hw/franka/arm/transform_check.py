@@ -54,10 +54,10 @@ def check_transform(pose: Sequence[float], what: str) -> list[float]:
     if problem is None and abs(_determinant(pose) - 1.0) > _ROTATION_TOLERANCE:
         problem = "the axes of its rotation must be at right angles and right-handed"
     if problem is None and max(map(abs, pose[12:15])) > _LARGEST_OFFSET:
-        problem = f"its origin must be at most {_LARGEST_OFFSET:g} m away on each axis"
+        problem = f"the origin must be at most {_LARGEST_OFFSET:g} m away on each axis"
     if problem is not None:
         raise InvalidCommandError(
-            f"'{what}' {list(pose)} is not possible: {problem}.",
+            f"'{what}' {list(pose)} is no transform: {problem}.",
             remedy="Give a homogeneous transform in metres, column by column.",
             details={
                 "errors": [
