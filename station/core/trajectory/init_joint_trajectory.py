@@ -641,7 +641,7 @@ def braking_trajectory(
     result: SegmentTrajectory = []
     for (position, velocity), deceleration in zip(states, decelerations, strict=True):
         duration = abs(velocity) / deceleration
-        braking = [copysign(deceleration, -velocity)]
+        braking = [copysign(deceleration, -velocity) if velocity else 0.0]
         rest = [position + velocity * duration / 2.0]
         way = QuinticSplineSegment(
             time,

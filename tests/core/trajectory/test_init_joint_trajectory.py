@@ -18,6 +18,7 @@ from station.core.trajectory import (
     QuinticSplineSegment,
     StateTolerances,
     TrajectoryOptions,
+    braking_trajectory,
     find_segment,
     hold_trajectory,
     init_joint_trajectory,
@@ -269,6 +270,18 @@ def test_stopping_never_reverses():
     (joint,) = stop_trajectory(0.0, 0.5, [(0.0, -1.5)])
     velocities = [sample_segments(joint, 0.01 * step)[1] for step in range(51)]
     assert all(velocity <= 1e-12 for velocity in velocities)
+
+
+def test_each_joint_brakes_with_its_own_deceleration():
+    states = [(0.3, 1.0), (0.0, -0.5), (0.1, 0.0)]
+    moving, back, resting = braking_trajectory(5.0, [2.0, 5.0, 1.0], states)
+    for time in (0.0, 0.2, 0.4):
+        state = sample_segments(moving, 5.0 + time)
+        assert state == pytest.approx((0.3 + time - time**2, 1.0 - 2.0 * time, -2.0))
+    assert sample_segments(moving, 5.6) == pytest.approx((0.55, 0.0, 0.0))
+    assert sample_segments(back, 5.05)[1:] == pytest.approx((-0.25, 5.0))
+    assert sample_segments(back, 5.2) == pytest.approx((-0.025, 0.0, 0.0))
+    assert sample_segments(resting, 5.0) == (0.1, 0.0, 0.0)
 
 
 def test_a_goal_can_wait_for_it():
