@@ -309,9 +309,9 @@ def _trajectory(params: Values, place: str) -> Values:
         own = gains[joint] = _without(
             _group(gains, joint, f"{place}: gains/"), _GAINS_AS_HERE
         )
-        # The integral part of ROS 2 has no bound unless one is given.
-        if own.get("i") and not any(key.startswith("i_clamp") for key in own):
-            own["i_clamp"] = _NO_BOUND
+        # The integral part of ROS 2 has no bound on a side for which none is given.
+        if own.get("i"):
+            own.setdefault("i_clamp", _NO_BOUND)
         scale = own.pop("ff_velocity_scale", None)
         if scale is not None:
             forward = _group(params, "velocity_ff", f"{place}: ")

@@ -51,7 +51,7 @@ def test_controllers_have_the_parameters_of_their_nodes():
         "gains": {
             # Neither a missing bound nor a missing time is 0 in ROS 2.
             "j1": {"p": 10.0, "i": 2.0, "d": 1.0, "i_clamp": 1e6},
-            "j2": {"p": 10.0, "i": 2.0, "i_clamp_max": 1.0},
+            "j2": {"p": 10.0, "i": 2.0, "i_clamp_max": 1.0, "i_clamp": 1e6},
         },
         "velocity_ff": {"j1": 0.5},
         "speed_scaling": 0.5,
