@@ -19,7 +19,7 @@ from station.api.errors import ProblemError
 from station.api.services import Services, services_of
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
-from station.core.franka.grippers import Grippers
+from station.core.franka.gripper_services import Grippers
 from station.wire.protocol import CLOCK_HEADER, LEASE_HEADER, NOT_AFTER_HEADER
 
 _bearer = HTTPBearer(

@@ -31,7 +31,7 @@ from station.api.tool_port import ToolClient
 from station.core.errors import InvalidCommandError, StationError
 from station.core.facade.station import Station
 from station.core.franka import GraspRequest
-from station.core.franka.grippers import DEFAULT_SPEED, Grippers, GripperState
+from station.core.franka.gripper_services import DEFAULT_SPEED, Grippers, GripperState
 from station.core.ports.goal import Goal, GoalStatus
 from station.records.cdr import Values
 from station.records.messages import header

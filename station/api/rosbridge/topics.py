@@ -28,7 +28,7 @@ from station.core.franka import (
     GripperState,
     RobotMode,
 )
-from station.core.franka.grippers import Grippers
+from station.core.franka.gripper_services import Grippers
 from station.core.loop.snapshot import Snapshot
 from station.core.ports.set_point import SetPointPort
 from station.events import Severity

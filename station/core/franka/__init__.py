@@ -27,7 +27,7 @@ from station.core.franka.franka_services import (
     FrankaServicesInterface as FrankaServicesInterface,
     SimulatedFault as SimulatedFault,
 )
-from station.core.franka.grippers import (
+from station.core.franka.gripper_services import (
     DEFAULT_EPSILON as DEFAULT_EPSILON,
     DEFAULT_SPEED as DEFAULT_SPEED,
     GraspRequest as GraspRequest,

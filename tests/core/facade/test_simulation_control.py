@@ -12,7 +12,7 @@ from station.core.errors import (
     StaleEpochError,
 )
 from station.core.facade.simulation_control import MOST_STEPS, SimulationControl
-from station.core.franka.grippers import Grippers
+from station.core.franka.gripper_services import Grippers
 from station.core.hardware.interfaces import JointStateInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.loop.control_loop import ControlLoop

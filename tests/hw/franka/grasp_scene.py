@@ -5,7 +5,7 @@ import numpy as np
 
 from station.core.facade.station import Station
 from station.core.franka import GripperState
-from station.core.franka.grippers import Grippers
+from station.core.franka.gripper_services import Grippers
 from tests.franka_station import make_franka_station
 
 WIDTH = 0.03

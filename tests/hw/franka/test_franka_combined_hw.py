@@ -13,7 +13,7 @@ from station.core.facade.station import Station
 from station.core.franka import FaultKind, FrankaServicesInterface, RobotMode
 from station.core.franka.arms import Arms
 from station.core.franka.franka_services import SimulatedFault
-from station.core.franka.grippers import Grippers
+from station.core.franka.gripper_services import Grippers
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters

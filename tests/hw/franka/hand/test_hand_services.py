@@ -6,7 +6,7 @@ from station.core.control.switching import SwitchRequest
 from station.core.errors import GripperCommandError, InvalidCommandError
 from station.core.franka import GraspRequest, GripperActivity
 from station.core.franka.arms import Arms
-from station.core.franka.grippers import Grippers
+from station.core.franka.gripper_services import Grippers
 from station.core.ports.goal import GoalStatus
 from tests.franka_station import make_franka_station
 from tests.hw.franka.grasp_scene import (

@@ -1,5 +1,7 @@
 """The grippers of a station by their arms, and the services of franka_gripper.
 
+Programs outside import `GraspRequest` from here, so the module keeps its name.
+
 Source: franka_ros@c11f000 franka_gripper/src/franka_gripper.cpp and
 franka_gripper_node.cpp, franka_gripper/action/*.action; libfranka@0.9.2
 include/franka/gripper.h, gripper_state.h; differs: a command begins at once and its

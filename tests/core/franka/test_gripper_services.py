@@ -12,7 +12,7 @@ from station.core.errors import (
 )
 from station.core.franka import GraspRequest, GripperActivity
 from station.core.franka.arms import Arms
-from station.core.franka.grippers import Grippers
+from station.core.franka.gripper_services import Grippers
 from station.core.ports.goal import GoalStatus
 from tests.franka_station import make_franka_station
 from tests.hw.franka.grasp_scene import WIDTH, make_grasp_station, run_until_done
