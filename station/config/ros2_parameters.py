@@ -304,11 +304,15 @@ def _trajectory(params: Values, place: str) -> Values:
     joints = params.pop("command_joints", None) or params.get("joints")
     params["joints"] = joints
     # ROS 2 has the feed-forward gain of the velocity among the gains of a joint.
-    gains = _group(params, "gains", f"{place}: ")
-    for joint in gains:
-        own = gains[joint] = _without(
-            _group(gains, joint, f"{place}: gains/"), _GAINS_AS_HERE
-        )
+    given = _group(params, "gains", f"{place}: ")
+    # Copies, because controllers may share a block of their wildcards.
+    gains = {
+        joint: _without(_group(given, joint, f"{place}: gains/"), _GAINS_AS_HERE)
+        for joint in given
+    }
+    if gains:
+        params["gains"] = gains
+    for joint, own in gains.items():
         # The integral part of ROS 2 has no bound on a side for which none is given.
         if own.get("i"):
             own.setdefault("i_clamp", _NO_BOUND)

@@ -42,6 +42,23 @@ def read(text):
     return split_ros_parameters(yaml.safe_load(text), "f.yaml")
 
 
+def test_controllers_that_share_a_block_have_the_same_gains():
+    shared = read("""
+controller_manager:
+  ros__parameters:
+    a: {type: joint_trajectory_controller/JointTrajectoryController}
+    b: {type: joint_trajectory_controller/JointTrajectoryController}
+/**:
+  ros__parameters:
+    joints: [j]
+    command_interfaces: [effort]
+    gains.j: {p: 10.0, i: 2.0, ff_velocity_scale: 0.5}
+""").controllers
+
+    assert shared["a"] == shared["b"]
+    assert shared["b"]["velocity_ff"] == {"j": 0.5}
+
+
 def test_controllers_have_the_parameters_of_their_nodes():
     found = read(FILE)
 
